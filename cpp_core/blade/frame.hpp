@@ -1,0 +1,40 @@
+// Where a point of the blade's chart (u, v) lies on the blade.
+//
+// The chart is the developed surface: u runs from the nakago's end to the tip, v across. The mune ridge
+// is v = 0.5; omote lies below it (v -> 0 towards its edge line), ura above (v -> 1 towards its edge).
+// Both axes keep millimetres (stretch <= 2 %): u = (s + nakago)/length, |v - 0.5| = developed distance
+// from the mune ridge / chart height. So one texel has the same size everywhere on the blade.
+#pragma once
+#include <vector>
+
+#include "blade/part.hpp"
+
+namespace togishi {
+
+/// A point of the chart in the blade's own measures.
+struct ChartPoint {
+    double s_mm = 0;          ///< arc length from the mune-machi, negative in the nakago
+    double from_edge_mm = 0;  ///< shortest developed distance to the edge line (fukura included), >= 0 on the blade
+    double from_ridge_mm = 0; ///< developed distance across from the mune ridge, >= 0
+    Part part = Part::other;  ///< Part::other outside the blade's outline
+    bool omote = true;
+};
+
+/// The blade's outline in its chart. Built by the katana generator, later by the scan import.
+/// Outline curves are sampled at equal steps of s from -nakago_mm to nagasa_mm along the mune.
+class BladeFrame {
+  public:
+    double nakago_mm = 0;        ///< length of the nakago, > 0
+    double nagasa_mm = 0;        ///< chart length machi to tip, > 0
+    double chart_height_mm = 0;  ///< developed width that v in [0, 1] spans
+    double yokote_s_mm = 0;      ///< where the yokote meets the shinogi; nagasa where the blade has none
+    std::vector<double> edge_mm;     ///< from the mune ridge to the edge line, per sample
+    std::vector<double> shinogi_mm;  ///< from the mune ridge to the shinogi; equals mune_mm where there is none
+    std::vector<double> mune_mm;     ///< from the mune ridge to the mune's corner
+
+    [[nodiscard]] double length_mm() const { return nakago_mm + nagasa_mm; }
+    /// u, v in [0, 1]; outside, the nearest point of the chart's border is taken.
+    [[nodiscard]] ChartPoint locate(double u, double v) const;
+};
+
+}  // namespace togishi

@@ -1,0 +1,10 @@
+#include "cli/commands.hpp"
+
+namespace togishi::cli {
+
+void add_katana_command(CLI::App& app, const Common& common) {
+    (void)app;
+    (void)common;
+}
+
+}  // namespace togishi::cli

@@ -1,0 +1,7 @@
+#include "python/module.hpp"
+
+namespace togishi {
+
+void bind_reference(pybind11::module_& m) { (void)m; }
+
+}  // namespace togishi

@@ -1,0 +1,14 @@
+#pragma once
+#include <pybind11/pybind11.h>
+
+namespace togishi {
+
+void bind_spectral(pybind11::module_& m);
+void bind_material(pybind11::module_& m);
+void bind_bake(pybind11::module_& m);
+void bind_property_maps(pybind11::module_& m);
+void bind_blade(pybind11::module_& m);
+void bind_steel(pybind11::module_& m);
+void bind_reference(pybind11::module_& m);
+
+}  // namespace togishi

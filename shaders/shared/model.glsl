@@ -1,0 +1,10 @@
+// Every formula of the model, in the order of dependence. The one list of what is compiled three times.
+#include "shared/constants.glsl"
+#include "shared/parts.glsl"
+#include "shared/fresnel.glsl"
+#include "shared/table.glsl"
+#include "shared/lobe.glsl"
+#include "shared/shadowing.glsl"
+#include "shared/frame.glsl"
+#include "shared/surface.glsl"
+#include "shared/plain.glsl"

@@ -1,0 +1,61 @@
+// Reflection of one blade point under one light, without its colour: what multiplies F(theta_i) and
+// what multiplies F(theta_H). Everything here is free of wavelength; the caller multiplies by the
+// table rows (GPU, float) or by F(n, k) E per wavelength (reference, double).
+//
+//   ji     C_f = chi D(mu_ji) F(theta_i) E                      (smooth, Fresnel-based)
+//   hamon  C_t = beta D(mu) G/cos(theta_r) F(theta_H) E         (rough, Torrance-Sparrow)
+//   point  C = (1 - w) [(1 - h) C_f + h C_t(mu_hadori)] + w C_t(mu_ha)
+//
+// Normalised weights: chi = ln2/(4 pi mu_t mu_b) G/cos(theta_r), beta = ln2/(4 pi mu_t mu_b).
+// Measured weights: constants chi and beta as fitted (the paper's form).
+
+// The light and the view against the surface: everything that the three lobes share.
+struct LightGeometry {
+    float lit;              // 1, or 0 where light or view is below TG_MIN_COS
+    float cos_i;            // N.L: angle of F for the ji
+    float cos_h;            // L.H: angle of F for the hamon
+    float g_over_cos_r;
+    Facet facet;
+};
+
+// What multiplies the two Fresnel look-ups.
+struct Reflection {
+    float at_theta_i;       // 1/sr, multiplies F(theta_i) E
+    float at_theta_h;       // 1/sr, multiplies F(theta_H) E
+};
+
+TG_FN LightGeometry light_geometry(vec3 normal, vec3 tangent, vec3 bitangent, vec3 view, vec3 light) {
+    LightGeometry g;
+    vec3 sum = light + view;
+    float length2 = dot(sum, sum);
+    float n_dot_v = dot(normal, view);
+    g.cos_i = dot(normal, light);
+    // L = -V has no half vector; one of the two cosines is then <= 0 and nothing is reflected.
+    g.lit = (g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && length2 > float(1.0e-12)) ? float(1.0) : float(0.0);
+    vec3 half_vector = sum * (float(1.0) / sqrt(max(length2, float(1.0e-12))));
+    g.cos_h = clamp(dot(light, half_vector), float(0.0), float(1.0));
+    g.facet = facet_of_half_vector(half_vector, normal, tangent, bitangent);
+    g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), max(n_dot_v, TG_MIN_COS),
+                                          max(g.cos_i, TG_MIN_COS), g.cos_h);
+    return g;
+}
+
+// measured < 0 asks for the normalised weight, else it is chi.
+TG_FN float ji_reflection(LobeForm form, LightGeometry g, float measured_chi) {
+    float weight = measured_chi < float(0.0) ? lobe_normalised_weight(form) * g.g_over_cos_r : measured_chi;
+    return g.lit * weight * lobe_value(form, g.facet);
+}
+
+// measured < 0 asks for the normalised weight, else it is beta.
+TG_FN float hamon_reflection(LobeForm form, LightGeometry g, float measured_beta) {
+    float weight = measured_beta < float(0.0) ? lobe_normalised_weight(form) : measured_beta;
+    return g.lit * weight * g.g_over_cos_r * lobe_value(form, g.facet);
+}
+
+// w, h in [0, 1]: shares of the hamon and, of the rest, of the hadori.
+TG_FN Reflection blend_reflection(float ji, float hadori, float ha, float w, float h) {
+    Reflection r;
+    r.at_theta_i = (float(1.0) - w) * (float(1.0) - h) * ji;
+    r.at_theta_h = (float(1.0) - w) * h * hadori + w * ha;
+    return r;
+}
