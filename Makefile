@@ -1,0 +1,87 @@
+# The two commands of the README are `make demo` and `make test`; `make help` lists the rest.
+SHELL := /bin/bash
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+
+PY  := .venv/bin/python
+PY52 := .venv-5.2/bin/python
+TOGISHI := build/release/cpp_core/cli/togishi
+CORE_SOURCES := $(shell find cpp_core shaders data cmake -type f 2>/dev/null) CMakeLists.txt pyproject.toml
+SAY := . tools/say.sh; say
+
+.PHONY: help setup setup-5.2 build core core-5.2 demo test test-cpp test-python test-blender-5.2 results lint sanitize format clean
+
+help: ## list the targets
+	@grep -hE '^[a-z0-9.-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 20
+
+setup: ## install what is missing (apt.txt, .venv with bpy 4.5 LTS)
+	@tools/setup_debian.sh
+	@tools/setup_python.sh .venv 3.11 blender-4-5 test dev
+
+setup-5.2: setup
+	@tools/setup_python.sh .venv-5.2 3.13 blender-5-2 test
+
+build: setup ## build the togishi command and the C++ tests
+	@$(SAY) "building the C++ core"
+	@cmake --preset release >/dev/null
+	@cmake --build --preset release
+
+# The module is rebuilt and installed only when something that it is made of has changed.
+define install_core
+	@$(SAY) "building the Python module for $(1)"
+	@$(1) -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation --force-reinstall . \
+	    || { . tools/say.sh; fail "the module togishi_core did not build for $(1): the compiler's message is above."; }
+	@mkdir -p build && touch $@
+endef
+
+core: setup
+	@$(MAKE) --no-print-directory build/core-4.5.stamp
+build/core-4.5.stamp: $(CORE_SOURCES)
+	$(call install_core,$(PY))
+core-5.2: setup-5.2
+	@$(MAKE) --no-print-directory build/core-5.2.stamp
+build/core-5.2.stamp: $(CORE_SOURCES)
+	$(call install_core,$(PY52))
+
+demo: build core ## the main job on real input: pictures and a page in out/demo
+	@$(SAY) "rendering the demo into out/demo"
+	@$(PY) tests/demo/make_demo.py --out out/demo
+	@$(SAY) "done: open out/demo/index.html"
+
+test: test-cpp test-python test-blender-5.2 ## all tests
+	@$(SAY) "all tests passed. Figures: make results; pictures: make demo"
+
+test-cpp: build
+	@$(SAY) "C++ tests"
+	@ctest --preset release --progress
+
+test-python: build core
+	@$(SAY) "Python tests, and tests inside Blender 4.5 LTS"
+	@PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI)) $(PY) -m pytest -q
+
+# 5.2 LTS needs Python 3.13, which Debian 12 lacks: without it `make test` says so, and CI fails.
+test-blender-5.2:
+	@if [ -n "$$CI" ] || [ -x $(PY52) ] || compgen -G "$$HOME/.pyenv/versions/3.13*" >/dev/null || command -v python3.13 >/dev/null; then \
+	    $(MAKE) --no-print-directory core-5.2 && $(SAY) "tests inside Blender 5.2 LTS" && \
+	    PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI)) $(PY52) -m pytest -q tests/blender; \
+	else \
+	    $(SAY) "SKIPPED: Blender 5.2 LTS needs Python 3.13, and none was found. Blender 4.5 LTS was tested."; \
+	fi
+
+AREA ?=
+results: build core ## measure everything; lists the rows that miss their bound (AREA=viewport: one area)
+	@$(PY) tests/bench/results.py $(if $(AREA),--area $(AREA))
+
+lint: build core ## formatters and linters, clean or not
+	@tools/lint.sh
+
+format: setup ## format everything
+	@find cpp_core tests -name '*.hpp' -o -name '*.cpp' | xargs clang-format -i
+	@.venv/bin/ruff format -q . && .venv/bin/ruff check -q --fix .
+
+sanitize: setup ## C++ tests under address and undefined-behaviour sanitizers
+	@$(SAY) "C++ tests under the sanitizers"
+	@cmake --preset asan-ubsan >/dev/null && cmake --build --preset asan-ubsan && ctest --preset asan-ubsan --progress
+
+clean: ## remove what was built (not the environments)
+	rm -rf build out dist
