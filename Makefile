@@ -45,7 +45,7 @@ build/core-5.2.stamp: $(CORE_SOURCES)
 
 demo: build core ## the main job on real input: pictures and a page in out/demo
 	@$(SAY) "rendering the demo into out/demo"
-	@$(PY) tests/demo/make_demo.py --out out/demo
+	@$(PY) blend_files/demo/make_demo.py --out out/demo
 	@$(SAY) "done: open out/demo/index.html"
 
 test: test-cpp test-python test-blender-5.2 ## all tests
