@@ -41,7 +41,8 @@ void AtomicFile::commit() {
     std::error_code error;
     fs::rename(temporary_, target_, error);
     if (error) {
-        throw std::runtime_error(target_.string() + ": could not be put in place: " + error.message());
+        throw std::runtime_error(target_.string() +
+                                 ": could not be put in place: " + error.message());
     }
     committed_ = true;
 }
