@@ -14,4 +14,5 @@ PYBIND11_MODULE(togishi_core, m) {
     togishi::bind_blade(m);
     togishi::bind_steel(m);
     togishi::bind_reference(m);
+    togishi::bind_formulas(m);
 }

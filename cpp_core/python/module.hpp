@@ -10,5 +10,6 @@ void bind_property_maps(pybind11::module_& m);
 void bind_blade(pybind11::module_& m);
 void bind_steel(pybind11::module_& m);
 void bind_reference(pybind11::module_& m);
+void bind_formulas(pybind11::module_& m);
 
 }  // namespace togishi

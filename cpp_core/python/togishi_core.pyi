@@ -153,3 +153,14 @@ def reference_xyz(
     light_direction: (P, K, 3); irradiance: (P, K) on a surface facing the light (spectrum scaled to Y = 1).
     lobe_*: (P, 3) or (3,) encoded lobes; w, h: (P,). Negative weights: normalised. world: spectrum and
     radiance of a uniform room. grid: "61" (with the white correction) or "1nm" (360-830)."""
+
+# --- the shared formulas, for tests -------------------------------------------------------------
+
+def formula_names() -> list[str]:
+    """Names of the functions of shaders/shared that formulas() evaluates."""
+
+def formulas(name: str, precision: str, inputs: F64) -> F64:
+    """One function of shaders/shared on rows of numbers, as the core computes it. A test interface.
+
+    precision: "f32" (inputs are rounded to float first) or "f64". inputs (N, K): the arguments, structs and
+    vectors flattened in the order of declaration; result (N, M) likewise."""
