@@ -1,9 +1,14 @@
 // Where a point of the blade's chart (u, v) lies on the blade.
 //
-// The chart is the developed surface: u runs from the nakago's end to the tip, v across. The mune ridge
-// is v = 0.5; omote lies below it (v -> 0 towards its edge line), ura above (v -> 1 towards its edge).
-// Both axes keep millimetres (stretch <= 2 %): u = (s + nakago)/length, |v - 0.5| = developed distance
-// from the mune ridge / chart height. So one texel has the same size everywhere on the blade.
+// The chart is the developed surface: u runs from the nakago's end to the tip, v across. The mune
+// ridge is v = 0.5; omote lies below it (v -> 0 towards its edge line), ura above (v -> 1 towards
+// its edge). Both axes keep millimetres (stretch <= 2 %): u = (x + nakago)/length, |v - 0.5| =
+// developed distance from the mune ridge / chart height. So one texel has the same size everywhere
+// on the blade.
+//
+// x is s with a correction: x = s - skew(s) (t - skew_pivot(s)), t being the distance from the
+// ridge. Where the mune narrows, the developed sides no longer fit beside it straight; turning them
+// by `skew` shares the misfit out.
 #pragma once
 #include <vector>
 
@@ -13,28 +18,42 @@ namespace togishi {
 
 /// A point of the chart in the blade's own measures.
 struct ChartPoint {
-    double s_mm = 0;          ///< arc length from the mune-machi, negative in the nakago
-    double from_edge_mm = 0;  ///< shortest developed distance to the edge line (fukura included), >= 0 on the blade
-    double from_ridge_mm = 0; ///< developed distance across from the mune ridge, >= 0
-    Part part = Part::other;  ///< Part::other outside the blade's outline
+    double s_mm = 0;  ///< developed length from the mune-machi, negative in the nakago
+    double from_edge_mm =
+        0;  ///< shortest developed distance to the edge line (fukura included), >= 0 on the blade
+    double from_ridge_mm = 0;  ///< developed distance across from the mune ridge, >= 0
+    Part part = Part::other;   ///< Part::other outside the blade's outline
     bool omote = true;
 };
 
-/// The blade's outline in its chart. Built by the katana generator, later by the scan import.
-/// Outline curves are sampled at equal steps of s from -nakago_mm to nagasa_mm along the mune.
+/// The blade's outline in its chart. Built by make_blade_frame (katana_frame.hpp), later by the
+/// scan import. Outline curves are sampled at equal steps of s from -nakago_mm to nagasa_mm.
 class BladeFrame {
   public:
-    double nakago_mm = 0;        ///< length of the nakago, > 0
-    double nagasa_mm = 0;        ///< chart length machi to tip, > 0
-    double chart_height_mm = 0;  ///< developed width that v in [0, 1] spans
-    double yokote_s_mm = 0;      ///< where the yokote meets the shinogi; nagasa where the blade has none
-    std::vector<double> edge_mm;     ///< from the mune ridge to the edge line, per sample
-    std::vector<double> shinogi_mm;  ///< from the mune ridge to the shinogi; equals mune_mm where there is none
-    std::vector<double> mune_mm;     ///< from the mune ridge to the mune's corner
+    double nakago_mm = 0;         ///< chart length of the nakago, > 0
+    double nagasa_mm = 0;         ///< chart length machi to tip, > 0
+    double chart_height_mm = 0;   ///< developed width that v in [0, 1] spans
+    double yokote_s_mm = 0;       ///< where the yokote lies; nagasa where the blade has none
+    std::vector<double> edge_mm;  ///< from the mune ridge to the edge line, per sample
+    std::vector<double>
+        shinogi_mm;  ///< from the mune ridge to the shinogi; equals mune_mm where there is none
+    std::vector<double> mune_mm;  ///< from the mune ridge to the mune's corner
+    std::vector<double>
+        suguha_mm;  ///< from the mune ridge to the nominal suguha, the border of ji and ha
+    std::vector<double> skew;           ///< see above; as long as edge_mm
+    std::vector<double> skew_pivot_mm;  ///< the t at which x = s
 
     [[nodiscard]] double length_mm() const { return nakago_mm + nagasa_mm; }
     /// u, v in [0, 1]; outside, the nearest point of the chart's border is taken.
     [[nodiscard]] ChartPoint locate(double u, double v) const;
+
+    /// Chart abscissa (u = (x + nakago)/length) of the point at s, t.
+    [[nodiscard]] double chart_x_mm(double s_mm, double from_ridge_mm) const;
+    /// Value of one of the outline curves at s (linear between samples, clamped).
+    [[nodiscard]] double at(const std::vector<double>& curve, double s_mm) const;
+
+  private:
+    [[nodiscard]] double distance_to_edge_mm(double x_mm, double t_mm, double s_mm) const;
 };
 
 }  // namespace togishi

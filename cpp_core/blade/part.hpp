@@ -1,4 +1,5 @@
-// The parts of a blade. One numbering for meshes, maps, shaders and Python: shaders/shared/parts.glsl.
+// The parts of a blade. One numbering for meshes, maps, shaders and Python:
+// shaders/shared/parts.glsl.
 #pragma once
 #include <array>
 #include <cstdint>

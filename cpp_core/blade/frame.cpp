@@ -1,0 +1,98 @@
+#include "blade/frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace togishi {
+
+double BladeFrame::at(const std::vector<double>& curve, double s_mm) const {
+    const double last = static_cast<double>(curve.size() - 1);
+    const double x = std::clamp((s_mm + nakago_mm) / length_mm() * last, 0.0, last);
+    const double whole = std::min(std::floor(x), last - 1);
+    const auto i = static_cast<std::size_t>(whole);
+    return curve[i] + (curve[i + 1] - curve[i]) * (x - whole);
+}
+
+double BladeFrame::chart_x_mm(double s_mm, double from_ridge_mm) const {
+    return s_mm - at(skew, s_mm) * (from_ridge_mm - at(skew_pivot_mm, s_mm));
+}
+
+double BladeFrame::distance_to_edge_mm(double x_mm, double t_mm, double s_mm) const {
+    const double last = static_cast<double>(edge_mm.size() - 1);
+    const double step = length_mm() / last;
+    // The edge line starts at the machi; inside the fukura's curve the distance has one minimum, so
+    // walk down to it.
+    const auto machi = static_cast<std::ptrdiff_t>(std::ceil(nakago_mm / step));
+    const auto end = static_cast<std::ptrdiff_t>(edge_mm.size()) - 1;
+    auto point_x = [&](std::ptrdiff_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        return step * static_cast<double>(i) - nakago_mm -
+               skew[k] * (edge_mm[k] - skew_pivot_mm[k]);
+    };
+    auto squared = [&](std::ptrdiff_t i) {
+        const double dx = point_x(i) - x_mm;
+        const double dt = edge_mm[static_cast<std::size_t>(i)] - t_mm;
+        return dx * dx + dt * dt;
+    };
+    auto to_segment = [&](std::ptrdiff_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        const double ax = point_x(i);
+        const double bx = point_x(i + 1);
+        const double at_ = edge_mm[k];
+        const double ex = bx - ax;
+        const double et = edge_mm[k + 1] - at_;
+        const double along =
+            std::clamp(((x_mm - ax) * ex + (t_mm - at_) * et) / (ex * ex + et * et), 0.0, 1.0);
+        return std::hypot(ax + along * ex - x_mm, at_ + along * et - t_mm);
+    };
+    std::ptrdiff_t i =
+        std::clamp(static_cast<std::ptrdiff_t>((s_mm + nakago_mm) / step), machi, end);
+    double best = squared(i);
+    const std::ptrdiff_t direction = i < end && squared(i + 1) < best ? 1 : -1;
+    while (i + direction >= machi && i + direction <= end) {
+        const double next = squared(i + direction);
+        if (next >= best) break;
+        best = next;
+        i += direction;
+    }
+    double distance = std::sqrt(best);
+    if (i > machi) distance = std::min(distance, to_segment(i - 1));
+    if (i < end) distance = std::min(distance, to_segment(i));
+    return distance;
+}
+
+ChartPoint BladeFrame::locate(double u, double v) const {
+    u = std::clamp(u, 0.0, 1.0);
+    v = std::clamp(v, 0.0, 1.0);
+    ChartPoint p;
+    p.omote = v < 0.5;
+    const double t = std::abs(v - 0.5) * chart_height_mm;
+    const double x = u * length_mm() - nakago_mm;
+    // The skew is small and changes slowly: the fixed point gains two digits a step.
+    double s = x;
+    for (int i = 0; i < 6; ++i) s = std::clamp(x + (s - chart_x_mm(s, t)), -nakago_mm, nagasa_mm);
+    p.s_mm = s;
+    p.from_ridge_mm = t;
+    const double edge = at(edge_mm, s);
+    if (s < 0) {
+        p.from_edge_mm = std::max(0.0, edge - t);
+        p.part = t <= edge ? Part::nakago : Part::other;
+        return p;
+    }
+    p.from_edge_mm = t < edge ? distance_to_edge_mm(x, t, s) : 0;
+    const bool kissaki = s > yokote_s_mm;
+    if (t > edge) {
+        p.part = Part::other;
+    } else if (t <= at(mune_mm, s)) {
+        p.part = Part::mune;
+    } else if (t <= at(shinogi_mm, s)) {
+        p.part = Part::shinogi_ji;
+    } else if (t <= at(suguha_mm, s)) {
+        p.part = kissaki ? Part::kissaki : Part::ji;
+    } else {
+        p.part = kissaki ? Part::boshi : Part::ha;
+    }
+    return p;
+}
+
+}  // namespace togishi
