@@ -1,6 +1,10 @@
-// The tangent frame of a shaded point: N, T made perpendicular to it, B = N x T.
-// Where T is parallel to N, zero or NaN, T is a fixed direction perpendicular to N: the lobe's axes are
-// then arbitrary but finite, and an isotropic lobe is not touched by it.
+// The tangent frame of a shaded point: N, T made perpendicular to it, B = N x T, each of unit length.
+//
+// | input | result |
+// |-------|--------|
+// | T not perpendicular to N, any length 1e-15 to 1e15 | T without its part along N (perpendicular to 1e-6) |
+// | T within 0.006 degrees of N or of -N, zero, NaN or infinite | a fixed direction perpendicular to N: the lobe's axes are then arbitrary but finite; an isotropic lobe is not touched |
+// | N zero, NaN or infinite | N = B = 0 and T a unit vector: every cosine to N is 0, so nothing is reflected |
 
 struct TangentFrame {
     vec3 normal;
@@ -10,16 +14,27 @@ struct TangentFrame {
 
 TG_FN TangentFrame tangent_frame(vec3 normal, vec3 tangent) {
     TangentFrame f;
-    f.normal = normalize(normal);
+    // Both conditions are written so that NaN takes the second branch.
+    float n2 = dot(normal, normal);
+    if (n2 > float(1.0e-30) && n2 < float(1.0e30)) {
+        f.normal = normal * (float(1.0) / sqrt(n2));
+    } else {
+        f.normal = vec3(float(0.0), float(0.0), float(0.0));
+    }
+    float t2 = dot(tangent, tangent);
     vec3 t = tangent - f.normal * dot(f.normal, tangent);
     float length2 = dot(t, t);
-    // Written so that NaN takes the second branch.
-    if (length2 > float(1.0e-12)) {
-        f.tangent = t * (float(1.0) / sqrt(length2));
+    if (length2 > float(1.0e-8) * t2 && t2 > float(1.0e-30) && t2 < float(1.0e30)) {
+        t = t * (float(1.0) / sqrt(length2));
+        // Once more: where T was nearly parallel to N, rounding left 1e-3 of N in t, and a lobe of
+        // 0.1 degrees would see it. The length changes by less than rounding.
+        f.tangent = t - f.normal * dot(f.normal, t);
     } else {
         vec3 axis = abs(f.normal.x) < float(0.5) ? vec3(float(1.0), float(0.0), float(0.0))
                                                  : vec3(float(0.0), float(1.0), float(0.0));
-        f.tangent = normalize(cross(axis, f.normal));
+        // axis and N are never parallel, and axis x N is perpendicular to N = 0 too; only its length is not 1.
+        vec3 c = axis - f.normal * dot(f.normal, axis);
+        f.tangent = c * (float(1.0) / sqrt(dot(c, c)));
     }
     f.bitangent = cross(f.normal, f.tangent);
     return f;

@@ -1,7 +1,16 @@
 // Unpolarised Fresnel reflectance of a conductor against air, in real arithmetic.
-// n, k: complex refractive index n + ik (>= 0); cos_theta in [0, 1], clamped. Result in [0, 1].
-// At n = k = 0, and where numerator and denominator both vanish (grazing light on n = 1, k = 0),
-// the result is 1. Error in float: 3e-7 for iron, 2.4e-6 for silver (relative, all angles).
+//
+// | quantity  | range    | meaning |
+// |-----------|----------|---------|
+// | n, k      | 0 to 1e4 | complex refractive index n + ik |
+// | cos_theta | [0, 1]   | clamped |
+// | result    | [0, 1]   | |
+//
+// Defined results: cos_theta = 0 gives 1 (also for n = 1, k = 0, whose F is 0 at every other angle: numerator
+// and denominator both vanish there); n = k = 0 gives 1 at every angle; k = 0 is a dielectric, with 0 for the
+// p component at Brewster's angle and 1 beyond the critical angle where n < 1.
+// Error in float, relative: 5e-7 for iron, 4e-6 for silver at all angles; 2e-6 absolute over the whole range
+// (more only beside the critical angle of n < 1, where the slope is infinite).
 // Source: Born & Wolf, Principles of Optics, 14.2.
 
 TG_FN float fresnel_conductor(float n, float k, float cos_theta) {

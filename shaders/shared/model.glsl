@@ -8,3 +8,4 @@
 #include "shared/frame.glsl"
 #include "shared/surface.glsl"
 #include "shared/plain.glsl"
+#include "shared/light.glsl"

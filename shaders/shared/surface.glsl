@@ -24,19 +24,31 @@ struct Reflection {
     float at_theta_h;       // 1/sr, multiplies F(theta_H) E
 };
 
+// All vectors of unit length. Defined results where nothing is reflected: N.L or N.V <= TG_MIN_COS (so 0,
+// negative and exactly 90 degrees), L = -V, and any vector that is zero, NaN or infinite: lit = 0 and every other
+// member 0, so that no later product meets NaN.
 TG_FN LightGeometry light_geometry(vec3 normal, vec3 tangent, vec3 bitangent, vec3 view, vec3 light) {
     LightGeometry g;
     vec3 sum = light + view;
     float length2 = dot(sum, sum);
     float n_dot_v = dot(normal, view);
     g.cos_i = dot(normal, light);
-    // L = -V has no half vector; one of the two cosines is then <= 0 and nothing is reflected.
-    g.lit = (g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && length2 > float(1.0e-12)) ? float(1.0) : float(0.0);
-    vec3 half_vector = sum * (float(1.0) / sqrt(max(length2, float(1.0e-12))));
+    // Every comparison is false for NaN. |L + V|^2 is at most 4, by rounding a little more.
+    bool lit = g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && length2 > float(1.0e-12) && length2 < float(4.1);
+    if (!lit) {
+        g.lit = float(0.0);
+        g.cos_i = float(0.0);
+        g.cos_h = float(0.0);
+        g.g_over_cos_r = float(0.0);
+        g.facet.dx = float(0.0);
+        g.facet.dy = float(0.0);
+        return g;
+    }
+    g.lit = float(1.0);
+    vec3 half_vector = sum * (float(1.0) / sqrt(length2));
     g.cos_h = clamp(dot(light, half_vector), float(0.0), float(1.0));
     g.facet = facet_of_half_vector(half_vector, normal, tangent, bitangent);
-    g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), max(n_dot_v, TG_MIN_COS),
-                                          max(g.cos_i, TG_MIN_COS), g.cos_h);
+    g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), n_dot_v, g.cos_i, g.cos_h);
     return g;
 }
 
@@ -52,9 +64,16 @@ TG_FN float hamon_reflection(LobeForm form, LightGeometry g, float measured_beta
     return g.lit * weight * g.g_over_cos_r * lobe_value(form, g.facet);
 }
 
-// w, h in [0, 1]: shares of the hamon and, of the rest, of the hadori.
-TG_FN Reflection blend_reflection(float ji, float hadori, float ha, float w, float h) {
+// A share in [0, 1]: what lies outside is clamped, NaN is 0.
+TG_FN float sanitise_share(float share) {
+    return share > float(0.0) ? min(share, float(1.0)) : float(0.0);
+}
+
+// stored_w, stored_h: shares of the hamon and, of the rest, of the hadori, as a map holds them.
+TG_FN Reflection blend_reflection(float ji, float hadori, float ha, float stored_w, float stored_h) {
     Reflection r;
+    float w = sanitise_share(stored_w);
+    float h = sanitise_share(stored_h);
     r.at_theta_i = (float(1.0) - w) * (float(1.0) - h) * ji;
     r.at_theta_h = (float(1.0) - w) * h * hadori + w * ha;
     return r;
