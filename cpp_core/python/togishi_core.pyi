@@ -30,19 +30,25 @@ def lights() -> list[dict[str, Any]]:
 def observers() -> list[str]:
     """["cie1931_2", "cie1964_10"]."""
 
+def colour_spaces() -> list[str]:
+    """["rec709", "rec2020", "acescg", "acescg_d65", "xyz"]. acescg takes XYZ as it is (D65 is bluish there);
+    acescg_d65 is what Blender's ACEScg working space needs: D65 is (1, 1, 1), by a fixed Bradford adaptation."""
+
 def metal_nk(metal: str, wavelengths_nm: F64) -> tuple[F64, F64]:
-    """n and k by PCHIP at the wavelengths. metal: a built-in name or a path to a file of the same format."""
+    """n and k (N,) by PCHIP at the wavelengths. metal: a built-in name or a path to a file of the same format.
+    A wavelength outside the measured range is an InputError."""
 
 def light_power(light: str, wavelengths_nm: F64) -> F64:
     """Relative spectral power at the wavelengths (shape only). light: "D65", "daylight:5000",
-    "blackbody:3200", "line:589.3", "csv:/path.csv" (see docs/architecture.md)."""
+    "blackbody:3200", "line:589.3", "csv:/path.csv" (see docs/architecture.md). wavelengths_nm increasing;
+    zero outside the data; a line gives its power, 1, to its two neighbouring wavelengths in proportion."""
 
 def light_notes(light: str) -> list[str]:
     """What a reader should know of this spectrum: range shortfalls, resampling. Empty for built-in lights."""
 
 def light_rgb(light: str, observer: str = "cie1931_2", space: str = "rec709", adaptation: str = "none") -> F64:
     """(3,) linear RGB of the light itself, scaled to luminance Y = 1.
-    space: "xyz", "rec709", "rec2020", "acescg"; adaptation: "none" or "cat16" / "bradford" (to the space's white)."""
+    space: one of colour_spaces(); adaptation: "none" or "cat16" / "bradford" (to the space's white)."""
 
 def xyz_to_rgb(space: str) -> F64:
     """(3, 3) matrix from XYZ to linear RGB of the space."""
@@ -60,7 +66,8 @@ def fresnel_table(
     size: int = 64,
     adaptation: str = "none",
 ) -> F32:
-    """(size, 3) linear RGB of F(n, k, theta) times the light (Y = 1); row i at cos(theta) = (i/(size - 1))^2."""
+    """(size, 3) linear RGB of F(n, k, theta) times the light (Y = 1); row i at cos(theta) = (i/(size - 1))^2.
+    size: 2 to 4096. The metal's reflectance is kept between calls: a light's new spectrum takes some 20 us."""
 
 # --- materials and maps -------------------------------------------------------------------------
 
