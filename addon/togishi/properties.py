@@ -1,0 +1,612 @@
+"""The settings that Togishi keeps in a .blend, and plain functions that read them.
+
+| where | what |
+|---|---|
+| material.togishi | metal, weights, lobes per part, map images, pattern recipe |
+| light.togishi, world.togishi | spectrum |
+| scene.togishi | samples, passes, observer, adaptation |
+| object.togishi | the recipe of a generated blade |
+
+Angles are degrees, as people read them; names carry the unit. Nothing here loads the native module
+except the lists behind the menus.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from . import blender_versions
+from .core import native, spectrum_spec
+
+MATERIAL_FORMAT = "togishi-material-1"
+
+# The parts that have a lobe, in the order in which panels show them: name, label, and which
+# measured constant the part's weight is (docs: chi for the smooth model, beta for the rough one).
+LOBE_PARTS = (
+    ("ji", "Ji", "chi"),
+    ("ha", "Ha (hamon)", "beta"),
+    ("hadori", "Hadori", "beta"),
+    ("shinogi_ji", "Shinogi-ji", "chi"),
+    ("mune", "Mune", "chi"),
+    ("kissaki", "Kissaki", "chi"),
+    ("nakago", "Nakago", ""),
+)
+
+# Called with the material after an edit; the node group subscribes here.
+material_edited: list[Callable[[bpy.types.Material], None]] = []
+
+_updates_held = 0
+
+
+class held_updates:  # noqa: N801 - a context manager, used as a verb
+    """Within it, edits do not notify; for setting many values at once. Notify once afterwards."""
+
+    def __enter__(self) -> None:
+        global _updates_held
+        _updates_held += 1
+
+    def __exit__(self, *_: object) -> None:
+        global _updates_held
+        _updates_held -= 1
+
+
+def notify(material: bpy.types.Material) -> None:
+    """Tell the subscribers that a material changed."""
+    if not _updates_held:
+        for callback in material_edited:
+            callback(material)
+
+
+def _edited(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    if isinstance(self.id_data, bpy.types.Material):
+        notify(self.id_data)
+
+
+# --- menus over text ----------------------------------------------------------------------------
+# A dynamic enum keeps a number in the file, which means another entry when the list changes. So the
+# file keeps the name, and the menu reads and writes it.
+
+
+def _menu(
+    target: str, entries: Callable[[], list[tuple[str, str, str]]], name: str, description: str
+) -> Any:
+    """An enum property over the text property `target`. entries() -> (identifier, label, tooltip)."""
+    kept: list[tuple[str, str, str, int]] = []  # Blender keeps no copy of the strings
+
+    def items(self: Any, _context: Any) -> list[tuple[str, str, str, int]]:
+        value = getattr(self, target)
+        rows = entries()
+        if value not in {row[0] for row in rows}:
+            rows = [*rows, (value, value or "None", "Not in this version's list")]
+        numbered = [(*row, index) for index, row in enumerate(rows)]
+        if numbered != kept:
+            kept[:] = numbered
+        return kept
+
+    def get(self: Any) -> int:
+        value = getattr(self, target)
+        return next(row[3] for row in items(self, None) if row[0] == value)
+
+    def put(self: Any, index: int) -> None:
+        setattr(self, target, items(self, None)[index][0])
+
+    return EnumProperty(items=items, get=get, set=put, name=name, description=description)
+
+
+FILE_CHOICE = "file"
+
+
+def _metal_entries() -> list[tuple[str, str, str]]:
+    if native.problem():
+        return []
+    rows = [(m["name"], m["title"], m["source"]) for m in native.core().metals()]
+    return [*rows, (FILE_CHOICE, "From a file…", "A file of wavelength, n and k of your own")]
+
+
+def _light_entries() -> list[tuple[str, str, str]]:
+    automatic = (
+        spectrum_spec.AUTOMATIC,
+        "Automatic",
+        "A blackbody at the light's own temperature where that is in use, else daylight D65",
+    )
+    built_in = (
+        []
+        if native.problem()
+        else [(s["name"], s["title"], s["source"]) for s in native.core().lights()]
+    )
+    return [
+        automatic,
+        *built_in,
+        (spectrum_spec.BLACKBODY, "Blackbody…", "An incandescent body at a temperature in K"),
+        (spectrum_spec.DAYLIGHT, "Daylight…", "A phase of daylight by colour temperature in K"),
+        (spectrum_spec.LINE, "Single line…", "Light of one wavelength, such as a laser"),
+        (spectrum_spec.CSV, "From a file…", "A text file of wavelength in nm and power"),
+    ]
+
+
+# --- groups -------------------------------------------------------------------------------------
+
+
+def _mu(name: str, default: float, description: str) -> Any:
+    return FloatProperty(
+        name=name,
+        description=description,
+        default=default,
+        min=0.001,
+        max=80.0,
+        soft_min=0.05,
+        soft_max=20.0,
+        precision=3,
+        step=5,
+        update=_edited,
+    )
+
+
+class TogishiLobe(bpy.types.PropertyGroup):
+    """The lobe of one part. Polishing strokes run at rho + 90 degrees."""
+
+    mu_t_deg: _mu(
+        "μ wide (°)",
+        0.8,
+        "Half width at half maximum of the facet angle along the lobe's wide axis, in degrees",
+    )
+    mu_b_deg: _mu(
+        "μ narrow (°)",
+        0.8,
+        "Half width at half maximum across the wide axis, in degrees. Equal to the wide one: isotropic",
+    )
+    rho_deg: FloatProperty(
+        name="ρ (°)",
+        description=(
+            "Direction of the wide axis in degrees, counter-clockwise from the blade's length. "
+            "Strokes run at ρ + 90°, and highlights are long across the strokes"
+        ),
+        default=0.0,
+        min=0.0,
+        max=180.0,
+        precision=1,
+        step=100,
+        update=_edited,
+    )
+    weight: FloatProperty(
+        name="Measured weight (1/sr)",
+        description=(
+            "The measured constant: χ of the smooth parts, β of hamon and hadori. "
+            "Used where the material's weights are measured"
+        ),
+        default=1.0,
+        min=0.0,
+        soft_max=1000.0,
+        precision=4,
+        update=_edited,
+    )
+
+
+class TogishiPattern(bpy.types.PropertyGroup):
+    """The recipe of the steel pattern that fills the maps. Used when maps are baked."""
+
+    hamon: EnumProperty(
+        name="Hamon",
+        description="Outline of the hardened edge",
+        items=(
+            ("suguha", "Suguha", "Straight", 0),
+            ("notare", "Notare", "Slow waves", 1),
+            ("gunome", "Gunome", "Semicircles", 2),
+            ("choji", "Choji", "Clove buds", 3),
+        ),
+        default="gunome",
+    )
+    hada: EnumProperty(
+        name="Hada",
+        description="Grain of the folded steel",
+        items=(
+            ("itame", "Itame", "Wood grain, irregular", 0),
+            ("masame", "Masame", "Straight grain along the blade", 1),
+        ),
+        default="itame",
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Another number gives another blade of the same styles",
+        default=1,
+        min=0,
+        max=2**31 - 1,
+    )
+    width_px: IntProperty(
+        name="Width",
+        description="Texels along the blade. 8192 gives 9 texels per mm on a katana",
+        default=4096,
+        min=16,
+        max=16384,
+        subtype="PIXEL",
+    )
+    height_px: IntProperty(
+        name="Height",
+        description="Texels across the blade, omote and ura together",
+        default=512,
+        min=16,
+        max=4096,
+        subtype="PIXEL",
+    )
+    extra_json: StringProperty(
+        name="Further settings",
+        description="Settings of the pattern that have no field of their own, as JSON",
+        default="{}",
+        options={"HIDDEN"},
+    )
+
+
+def _lobe_pointer(label: str) -> Any:
+    return PointerProperty(type=TogishiLobe, name=label)
+
+
+class TogishiMaterial(bpy.types.PropertyGroup):
+    """A blade material."""
+
+    is_blade: BoolProperty(
+        name="Blade steel",
+        description="Togishi shades this material as polished steel, from its spectra and lobes",
+        default=False,
+        update=_edited,
+    )
+    title: StringProperty(
+        name="Name",
+        description="The material's name in its file",
+        default="",
+    )
+    metal: StringProperty(
+        name="Metal",
+        description="A built-in metal's name",
+        default="iron",
+        update=_edited,
+    )
+    metal_choice: _menu(
+        "metal",
+        _metal_entries,
+        "Metal",
+        "Measured refractive index that the steel's colour comes from",
+    )
+    metal_path: StringProperty(
+        name="File",
+        description="A file of wavelength in nm, n and k",
+        default="",
+        subtype="FILE_PATH",
+        update=_edited,
+    )
+    weights: EnumProperty(
+        name="Weights",
+        description="What sets how much the lobes reflect",
+        items=(
+            (
+                "normalised",
+                "Normalised",
+                "The energy stays when the roughness changes; a smooth blade mirrors a room exactly",
+                0,
+            ),
+            ("measured", "Measured", "Constants χ and β as fitted to a measurement", 1),
+        ),
+        default="normalised",
+        update=_edited,
+    )
+    ji: _lobe_pointer("Ji")
+    shinogi_ji: _lobe_pointer("Shinogi-ji")
+    mune: _lobe_pointer("Mune")
+    kissaki: _lobe_pointer("Kissaki")
+    ha: _lobe_pointer("Ha")
+    hadori: _lobe_pointer("Hadori")
+    nakago: _lobe_pointer("Nakago")
+    nakago_albedo: FloatVectorProperty(
+        name="Nakago colour",
+        description="Colour of the nakago's rust (linear RGB)",
+        default=(0.035, 0.022, 0.016),
+        min=0.0,
+        max=1.0,
+        size=3,
+        subtype="COLOR",
+        update=_edited,
+    )
+    nakago_ior: FloatProperty(
+        name="Nakago index",
+        description="Refractive index of the rust's surface",
+        default=1.5,
+        min=1.0,
+        max=4.0,
+        precision=3,
+        update=_edited,
+    )
+    lobes_image: PointerProperty(
+        type=bpy.types.Image,
+        name="Lobes",
+        description="Map of ln μ of the ji (R), ln μ of the ha (G), hamon w (B) and hadori h (A)",
+        update=_edited,
+    )
+    shape_image: PointerProperty(
+        type=bpy.types.Image,
+        name="Shape",
+        description="Map of the lobes' shapes: e1, e2 of the ji (R, G) and of the ha (B, A)",
+        update=_edited,
+    )
+    pattern: PointerProperty(type=TogishiPattern, name="Pattern")
+    node_spectrum: StringProperty(
+        name="Baked light",
+        description="Light spectrum that the Cycles and EEVEE node group is baked for",
+        default="D65",
+        update=_edited,
+    )
+
+
+class TogishiSpectrum(bpy.types.PropertyGroup):
+    """The spectrum of a light or a world. It is a shape: Blender's power sets the amount."""
+
+    kind: StringProperty(
+        name="Spectrum",
+        description="Name of the spectrum",
+        default=spectrum_spec.AUTOMATIC,
+    )
+    choice: _menu("kind", _light_entries, "Spectrum", "Which colours the light consists of")
+    blackbody_k: FloatProperty(
+        name="Temperature (K)",
+        description="Temperature of the blackbody, in kelvin. A tungsten lamp has 2700 to 3200",
+        default=2856.0,
+        min=500.0,
+        max=25000.0,
+        soft_min=1500.0,
+        soft_max=10000.0,
+        step=5000,
+        precision=0,
+    )
+    daylight_k: FloatProperty(
+        name="Colour temperature (K)",
+        description="Correlated colour temperature of the daylight, in kelvin",
+        default=5500.0,
+        min=4000.0,
+        max=25000.0,
+        soft_max=10000.0,
+        step=5000,
+        precision=0,
+    )
+    line_nm: FloatProperty(
+        name="Wavelength (nm)",
+        description="Wavelength of the line, in nm. Sodium has 589.3",
+        default=589.3,
+        min=400.0,
+        max=700.0,
+        step=100,
+        precision=2,
+    )
+    csv_path: StringProperty(
+        name="File",
+        description="Text file with a wavelength in nm and a power in each line",
+        default="",
+        subtype="FILE_PATH",
+    )
+
+
+class TogishiScene(bpy.types.PropertyGroup):
+    """Render settings."""
+
+    samples: IntProperty(
+        name="Render samples",
+        description="Samples per pixel of the final render",
+        default=16,
+        min=1,
+        max=64,
+    )
+    viewport_samples: IntProperty(
+        name="Viewport samples",
+        description="Samples per pixel that the viewport gathers while nothing moves",
+        default=8,
+        min=1,
+        max=64,
+    )
+    use_pass_depth: BoolProperty(
+        name="Depth",
+        description="Write the distance to the camera",
+        default=False,
+    )
+    use_pass_part: BoolProperty(
+        name="Part id",
+        description="Write which part of the blade a pixel shows (1 ji, 2 shinogi-ji, 3 ha, …)",
+        default=False,
+    )
+    observer: EnumProperty(
+        name="Observer",
+        description="Colour matching functions of the standard observer",
+        items=(
+            ("cie1931_2", "CIE 1931 2°", "For small fields; the usual one", 0),
+            ("cie1964_10", "CIE 1964 10°", "For fields over 4°", 1),
+        ),
+        default="cie1931_2",
+    )
+    adaptation: EnumProperty(
+        name="Adaptation",
+        description="What the eye's adaptation to the light does to its colour",
+        items=(
+            ("none", "None", "Colours as they are: tungsten light looks orange", 0),
+            ("cat16", "CAT16", "Every light appears white (CAT16)", 1),
+            ("bradford", "Bradford", "Every light appears white (Bradford)", 2),
+        ),
+        default="none",
+    )
+
+
+class TogishiObject(bpy.types.PropertyGroup):
+    """The recipe of a generated blade, so that it can be edited and its maps baked again."""
+
+    katana_json: StringProperty(
+        name="Dimensions",
+        description="Dimensions of the generated blade in mm, as JSON; empty for other objects",
+        default="",
+        options={"HIDDEN"},
+    )
+    detail: FloatProperty(
+        name="Detail",
+        description="Density of the generated mesh",
+        default=1.0,
+        min=0.05,
+        max=8.0,
+    )
+
+
+# --- plain readers ------------------------------------------------------------------------------
+
+
+def is_blade(material: bpy.types.Material | None) -> bool:
+    """Whether the material is shaded as polished steel."""
+    return material is not None and material.togishi.is_blade
+
+
+def metal_spec(material: bpy.types.Material) -> str:
+    """Name of the built-in metal, or the absolute path of the user's file."""
+    settings = material.togishi
+    if settings.metal == FILE_CHOICE:
+        return bpy.path.abspath(settings.metal_path, library=material.library)
+    return str(settings.metal)
+
+
+def lobe_dict(lobe: TogishiLobe) -> dict[str, float]:
+    """mu_t_deg >= mu_b_deg and rho_deg in [0, 180): a lobe entered the other way round is turned."""
+    mu_t, mu_b, rho = float(lobe.mu_t_deg), float(lobe.mu_b_deg), float(lobe.rho_deg)
+    if mu_b > mu_t:
+        mu_t, mu_b, rho = mu_b, mu_t, rho + 90.0
+    # Single precision as a person typed it: .8 is to read .8 in a file, not .800000011920929.
+    return {
+        "mu_t_deg": float(spectrum_spec.number(mu_t)),
+        "mu_b_deg": float(spectrum_spec.number(mu_b)),
+        "rho_deg": float(spectrum_spec.number(rho % 180.0)),
+    }
+
+
+def material_dict(material: bpy.types.Material) -> dict[str, Any]:
+    """The material in the schema of togishi_core.default_material()."""
+    settings = material.togishi
+    parts: dict[str, dict[str, Any]] = {}
+    for name, _label, constant in LOBE_PARTS:
+        lobe = getattr(settings, name)
+        parts[name] = lobe_dict(lobe)
+        if settings.weights == "measured" and constant:
+            parts[name][constant] = float(spectrum_spec.number(lobe.weight))
+    parts["nakago"]["albedo_rgb"] = [
+        float(spectrum_spec.number(channel)) for channel in settings.nakago_albedo
+    ]
+    parts["nakago"]["ior"] = float(spectrum_spec.number(settings.nakago_ior))
+    return {
+        "format": MATERIAL_FORMAT,
+        "name": settings.title or material.name,
+        "metal": metal_spec(material),
+        "weights": settings.weights,
+        "parts": parts,
+    }
+
+
+def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> None:
+    """Take the values of a material dict (as load_material returns) into the settings."""
+    settings = material.togishi
+    with held_updates():
+        settings.title = values["name"]
+        known = {entry[0] for entry in _metal_entries()}
+        if values["metal"] in known:
+            settings.metal = values["metal"]
+        else:
+            settings.metal = FILE_CHOICE
+            settings.metal_path = values["metal"]
+        settings.weights = values["weights"]
+        for name, _label, constant in LOBE_PARTS:
+            lobe, part = getattr(settings, name), values["parts"][name]
+            lobe.mu_t_deg = part["mu_t_deg"]
+            lobe.mu_b_deg = part["mu_b_deg"]
+            lobe.rho_deg = part["rho_deg"]
+            if constant and constant in part:
+                lobe.weight = part[constant]
+        settings.nakago_albedo = values["parts"]["nakago"]["albedo_rgb"]
+        settings.nakago_ior = values["parts"]["nakago"]["ior"]
+    notify(material)
+
+
+def blade_images(
+    material: bpy.types.Material,
+) -> tuple[bpy.types.Image | None, bpy.types.Image | None]:
+    """The map images (lobes, shape), each None where the material has none."""
+    settings = material.togishi
+    return settings.lobes_image, settings.shape_image
+
+
+def _settings(group: TogishiSpectrum, library: Any) -> spectrum_spec.SpectrumSettings:
+    path = bpy.path.abspath(group.csv_path, library=library) if group.csv_path else ""
+    return spectrum_spec.SpectrumSettings(
+        kind=group.kind,
+        blackbody_k=group.blackbody_k,
+        daylight_k=group.daylight_k,
+        line_nm=group.line_nm,
+        csv_path=path,
+    )
+
+
+def light_spectrum(light: bpy.types.Light) -> str:
+    """Spec string of the light's spectrum. A spectrum that was chosen replaces the light's own
+    temperature; "automatic" follows it."""
+    own = blender_versions.light_temperature_k(light)
+    return spectrum_spec.spec(_settings(light.togishi, light.library), own)
+
+
+def world_spectrum(world: bpy.types.World | None) -> str:
+    """Spec string of the surroundings' spectrum."""
+    if world is None:
+        return spectrum_spec.DEFAULT
+    return spectrum_spec.spec(_settings(world.togishi, world.library))
+
+
+def katana_parameters(obj: bpy.types.Object) -> dict[str, Any] | None:
+    """Dimensions of a generated blade as togishi_core.katana takes them; None for other objects."""
+    text = obj.togishi.katana_json
+    if not text:
+        return None
+    values: dict[str, Any] = json.loads(text)
+    return values
+
+
+# --- registration -------------------------------------------------------------------------------
+
+CLASSES = (
+    TogishiLobe,
+    TogishiPattern,
+    TogishiMaterial,
+    TogishiSpectrum,
+    TogishiScene,
+    TogishiObject,
+)
+
+_POINTERS = (
+    (bpy.types.Material, TogishiMaterial),
+    (bpy.types.Light, TogishiSpectrum),
+    (bpy.types.World, TogishiSpectrum),
+    (bpy.types.Scene, TogishiScene),
+    (bpy.types.Object, TogishiObject),
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    for owner, group in _POINTERS:
+        owner.togishi = PointerProperty(type=group)
+
+
+def unregister() -> None:
+    for owner, _group in _POINTERS:
+        del owner.togishi
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
