@@ -270,24 +270,27 @@ double KatanaShape::developed_mm(const Section& s, Strip strip, MuneType mune, d
     return sum;
 }
 
-SurfacePoint KatanaShape::surface(Stretch stretch, double q, Strip strip, double f,
-                                  bool omote) const {
-    const Dual along = Dual::along(q);
-    const Dual arc = arc_mm(stretch, along);
-    const Section s = section(stretch, along);
+KatanaShape::Row KatanaShape::row(Stretch stretch, double q) const {
+    Row r;
+    r.arc = arc_mm(stretch, Dual::along(q));
+    r.arc_mm = r.arc.v;
+    r.section = section(stretch, Dual::along(q));
+    r.line = line_.at(r.arc.v);
+    r.mune = p_.mune;
+    return r;
+}
+
+SurfacePoint KatanaShape::Row::at(Strip strip, double f) const {
     Dual y;
     Dual d;
-    point_in_strip(s, strip, p_.mune, Dual::across(f), y, d);
-    const MuneLine::Point c = line_.at(arc.v);
-    const double side = omote ? 1 : -1;
-    const glm::dvec3 t(c.tangent.x, 0, c.tangent.y);
-    const glm::dvec3 up(-c.tangent.y, 0, c.tangent.x);
-    const glm::dvec3 out(0, side, 0);
+    point_in_strip(section, strip, mune, Dual::across(f), y, d);
+    const glm::dvec3 t(line.tangent.x, 0, line.tangent.y);
+    const glm::dvec3 up(-line.tangent.y, 0, line.tangent.x);
+    const glm::dvec3 out(0, 1, 0);
     SurfacePoint p;
-    p.position_mm = glm::dvec3(c.position_mm.x, 0, c.position_mm.y) + y.v * out - d.v * up;
-    p.along = t * ((1 + c.curvature_per_mm * d.v) * arc.q) + y.q * out - d.q * up;
-    const glm::dvec3 across = y.f * out - d.f * up;
-    const glm::dvec3 n = glm::cross(p.along, across) * side;
+    p.position_mm = glm::dvec3(line.position_mm.x, 0, line.position_mm.y) + y.v * out - d.v * up;
+    p.along = t * ((1 + line.curvature_per_mm * d.v) * arc.q) + y.q * out - d.q * up;
+    const glm::dvec3 n = glm::cross(p.along, y.f * out - d.f * up);
     p.normal = n / glm::length(n);
     return p;
 }

@@ -63,9 +63,17 @@ class KatanaShape {
     /// Developed length across, from the strip's start to f.
     static double developed_mm(const Section& s, Strip strip, MuneType mune, double f);
 
-    /// omote: the side of +y.
-    [[nodiscard]] SurfacePoint surface(Stretch stretch, double q, Strip strip, double f,
-                                       bool omote) const;
+    /// Everything that points of one cross-section share.
+    struct Row {
+        double arc_mm = 0;
+        Section section;
+        MuneLine::Point line;
+        Dual arc;
+        MuneType mune = MuneType::iori;
+        /// On omote, the side of +y; ura is its mirror image.
+        [[nodiscard]] SurfacePoint at(Strip strip, double f) const;
+    };
+    [[nodiscard]] Row row(Stretch stretch, double q) const;
 
     static constexpr double machi_ramp_mm = 0.9;  ///< over which the notches fall
 

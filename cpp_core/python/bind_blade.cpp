@@ -1,7 +1,120 @@
+// blade/katana_mesh.hpp, blade/katana_parameters.hpp
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+
+#include "base/error.hpp"
+#include "blade/katana_mesh.hpp"
+#include "python/blade_parameters.hpp"
 #include "python/module.hpp"
+
+namespace py = pybind11;
 
 namespace togishi {
 
-void bind_blade(pybind11::module_& m) { (void)m; }
+KatanaParameters katana_from_python(const py::handle& mapping) {
+    const auto items = py::dict(py::reinterpret_borrow<py::object>(mapping));
+    KatanaParameters p;
+    if (items.contains("zukuri"))
+        p = katana_defaults(py::cast<std::string>(py::str(items["zukuri"])));
+    for (const auto& [key, value] : items) {
+        if (!py::isinstance<py::str>(key)) {
+            throw InputError("parameters", "key", py::cast<std::string>(py::repr(key)), "a string");
+        }
+        const auto name = py::cast<std::string>(key);
+        if (py::isinstance<py::str>(value)) {
+            set_katana_value(p, name, std::string_view(py::cast<std::string>(value)), "parameters");
+        } else if (!py::isinstance<py::bool_>(value) && PyNumber_Check(value.ptr()) != 0) {
+            set_katana_value(
+                p, name, py::cast<double>(py::float_(py::reinterpret_borrow<py::object>(value))),
+                "parameters");
+        } else {
+            throw InputError("parameters", name, py::cast<std::string>(py::repr(value)),
+                             "a number or a name");
+        }
+    }
+    return p;
+}
+
+namespace {
+
+struct Katana {
+    KatanaMesh mesh;
+    std::map<std::string, double> measures;
+};
+
+py::dict to_python(const KatanaParameters& p) {
+    py::dict result;
+    for (const ChoiceField& c : katana_choices()) {
+        result[py::str(std::string(c.key))] =
+            std::string(c.names[static_cast<std::size_t>(c.get(p))]);
+    }
+    for (const DimensionField& d : katana_dimensions())
+        result[py::str(std::string(d.key))] = p.*d.member;
+    return result;
+}
+
+// A read-only view of a vector inside the Katana; the array keeps the Katana alive.
+template <typename Scalar, typename Element>
+py::array view(const py::object& owner, const std::vector<Element>& data) {
+    constexpr std::size_t columns = sizeof(Element) / sizeof(Scalar);
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(data.size())};
+    if (columns > 1) shape.push_back(columns);
+    py::array array(py::dtype::of<Scalar>(), shape, reinterpret_cast<const Scalar*>(data.data()),
+                    owner);
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+}
+
+template <typename Scalar, typename Member>
+auto viewer(Member KatanaMesh::*member) {
+    return [member](const py::object& self) {
+        return view<Scalar>(self, self.cast<const Katana&>().mesh.*member);
+    };
+}
+
+}  // namespace
+
+void bind_blade(py::module_& m) {
+    py::class_<Katana, std::shared_ptr<Katana>>(
+        m, "Katana",
+        "A generated blade. Positions in mm: +X to the tip, +Z towards the mune (back), +Y to "
+        "omote's outside.")
+        .def_property_readonly("positions_mm", viewer<double>(&KatanaMesh::positions_mm))
+        .def_property_readonly("corner_vertex", viewer<std::int32_t>(&KatanaMesh::corner_vertex))
+        .def_property_readonly("face_start", viewer<std::int32_t>(&KatanaMesh::face_start))
+        .def_property_readonly("face_part", viewer<std::uint8_t>(&KatanaMesh::face_part))
+        .def_property_readonly("corner_normal", viewer<float>(&KatanaMesh::corner_normal))
+        .def_property_readonly("corner_tangent", viewer<float>(&KatanaMesh::corner_tangent))
+        .def_property_readonly("corner_uv", viewer<float>(&KatanaMesh::corner_uv))
+        .def_property_readonly("s_mm", viewer<float>(&KatanaMesh::s_mm))
+        .def_property_readonly("t_mm", viewer<float>(&KatanaMesh::t_mm))
+        .def_property_readonly("chart_mm",
+                               [](const Katana& k) {
+                                   return py::make_tuple(k.mesh.frame.length_mm(),
+                                                         k.mesh.frame.chart_height_mm);
+                               })
+        .def_property_readonly("measures", [](const Katana& k) { return k.measures; });
+
+    m.def(
+        "katana_defaults",
+        [](const std::string& zukuri) { return to_python(katana_defaults(zukuri)); },
+        py::arg("zukuri") = "shinogi", "Ordinary dimensions of a blade: shinogi, hira or shobu.");
+    m.def(
+        "katana",
+        [](const py::object& parameters, double detail) {
+            const KatanaParameters p = katana_from_python(parameters);
+            auto result = std::make_shared<Katana>();
+            const py::gil_scoped_release release;
+            result->mesh = make_katana(p, detail);
+            result->measures = measure_katana(result->mesh, p);
+            return result;
+        },
+        py::arg("parameters"), py::arg("detail") = 1.0,
+        "Keys as katana_defaults returns; unknown keys and impossible dimensions raise InputError "
+        "with the reason.");
+}
 
 }  // namespace togishi
