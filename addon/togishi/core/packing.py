@@ -1,0 +1,356 @@
+"""Scene data as the bytes that the GPU programs read (shaders/viewport/interface.glsl).
+
+Every block is std140 made of vec4 only, so it is a plain float32 array here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scene_data import (
+    F32,
+    F64,
+    Camera,
+    Light,
+    LightKind,
+    MapData,
+    MeshData,
+    MeshGroup,
+    PlainMaterial,
+    SteelMaterial,
+    World,
+)
+from .shader_source import LIGHT_CAPACITY, MAX_LEVELS, TABLE_ROWS, TABLE_SIZE, LightVariant
+
+I32 = NDArray[np.int32]
+
+PART_JI = 1
+PART_NAKAGO = 7
+
+# --- camera -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class RelativeCamera:
+    """A camera whose own place is the origin: what the programs work in."""
+
+    position: F64  # (3,) in the world
+    view_projection: F64  # (4, 4) of camera-relative positions
+    view_axis: tuple[float, float, float, float]
+    depth_row: tuple[float, float, float, float]
+
+
+def relative_camera(
+    camera: Camera, size: tuple[int, int], jitter: tuple[float, float] = (0.0, 0.0)
+) -> RelativeCamera:
+    """jitter: shift of the picture in pixels, for subpixel samples."""
+    to_world = np.linalg.inv(np.asarray(camera.view, np.float64))
+    rotation = np.eye(4)
+    rotation[:3, :3] = np.asarray(camera.view, np.float64)[:3, :3]
+    projection = np.array(camera.projection, np.float64)
+    projection[0] += projection[3] * (2.0 * jitter[0] / size[0])
+    projection[1] += projection[3] * (2.0 * jitter[1] / size[1])
+    back = to_world[:3, 2] / max(float(np.linalg.norm(to_world[:3, 2])), 1e-30)
+    axis = (*back.tolist(), 0.0) if camera.orthographic else (0.0, 0.0, 0.0, 1.0)
+    z = camera.view[2]
+    return RelativeCamera(
+        position=to_world[:3, 3].copy(),
+        view_projection=projection @ rotation,
+        view_axis=(float(axis[0]), float(axis[1]), float(axis[2]), float(axis[3])),
+        depth_row=(-float(z[0]), -float(z[1]), -float(z[2]), 0.0),
+    )
+
+
+def frame_block(
+    camera: RelativeCamera, world_rgb: Sequence[float], world_row: int, counts: LightCounts, lod_bias: float
+) -> F32:
+    """TgFrame."""
+    block = np.zeros((8, 4), np.float32)
+    block[0:4] = camera.view_projection.T  # columns
+    block[4] = camera.view_axis
+    block[5] = camera.depth_row
+    block[6] = (*world_rgb, world_row)
+    block[7] = (counts.points, counts.spots, counts.suns, lod_bias)
+    return block
+
+
+def model_rows(matrix: F64, camera_position: F64) -> tuple[F32, float]:
+    """(3, 4) rows of object to camera-relative world, and -1 where the matrix mirrors, else 1."""
+    rows = np.array(matrix[:3], np.float64)
+    rows[:, 3] -= camera_position
+    mirrored = float(np.linalg.det(rows[:, :3])) < 0.0
+    return rows.astype(np.float32), -1.0 if mirrored else 1.0
+
+
+# --- lights -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LightCounts:
+    """Lamps of one pass by kind."""
+
+    points: int = 0
+    spots: int = 0
+    suns: int = 0
+
+
+@dataclass(frozen=True)
+class LightPass:
+    """Lamps that one pass over the picture adds up, points first, then spots, then suns."""
+
+    lights: tuple[Light, ...]
+    counts: LightCounts
+    spectra: tuple[str, ...]  # rows of the tables
+
+
+_ORDER = {LightKind.POINT: 0, LightKind.SPOT: 1, LightKind.SUN: 2}
+
+
+def light_passes(lights: Sequence[Light], world: World) -> list[LightPass]:
+    """All lamps that give light, in as few passes as the blocks' sizes allow; at least one pass.
+
+    The world's spectrum has a row in the first pass where the world is not black.
+    """
+    ordered = sorted((light for light in lights if not light.dark), key=lambda x: _ORDER[x.kind])
+    passes: list[LightPass] = []
+    current: list[Light] = []
+    spectra: list[str] = [] if world.black else [world.spectrum]
+
+    def close() -> None:
+        count = {kind: sum(1 for x in current if x.kind is kind) for kind in LightKind}
+        counts = LightCounts(count[LightKind.POINT], count[LightKind.SPOT], count[LightKind.SUN])
+        passes.append(LightPass(tuple(current), counts, tuple(spectra)))
+        current.clear()
+        spectra.clear()
+
+    for light in ordered:
+        new_row = light.spectrum not in spectra
+        if len(current) == LIGHT_CAPACITY or (new_row and len(spectra) == TABLE_ROWS):
+            close()
+            new_row = True
+        if new_row:
+            spectra.append(light.spectrum)
+        current.append(light)
+    if current or not passes:
+        close()
+    return passes
+
+
+def light_variant(passes: Sequence[LightPass], world: World) -> LightVariant:
+    """One variant for all passes: passes must rasterise alike."""
+    return LightVariant(
+        points=any(p.counts.points for p in passes),
+        spots=any(p.counts.spots for p in passes),
+        suns=any(p.counts.suns for p in passes),
+        world=not world.black,
+    )
+
+
+def lights_block(light_pass: LightPass, camera_position: F64) -> F32:
+    """TgLights."""
+    block = np.zeros((LIGHT_CAPACITY, 2, 4), np.float32)
+    for i, light in enumerate(light_pass.lights):
+        if light.kind is LightKind.SUN:
+            place = np.asarray(light.to_light, np.float64)
+            place = place / max(float(np.linalg.norm(place)), 1e-30)
+        else:
+            place = np.asarray(light.position, np.float64) - camera_position
+        block[i, 0, :3] = place
+        block[i, 1, :3] = np.minimum(np.asarray(light.colour, np.float64) * light.power, 1.0e30)
+        block[i, 1, 3] = light_pass.spectra.index(light.spectrum)
+    return block
+
+
+def spots_block(light_pass: LightPass) -> F32:
+    """TgSpots."""
+    block = np.zeros((LIGHT_CAPACITY, 3, 4), np.float32)
+    spots = [light for light in light_pass.lights if light.kind is LightKind.SPOT]
+    for i, light in enumerate(spots):
+        block[i, 0] = (*light.x_axis, light.blend)
+        block[i, 1] = (*light.y_axis, math.cos(0.5 * light.cone_rad))
+        # in_lamp.z of the shader is the cosine to the way the lamp shines, which is -z.
+        block[i, 2, :3] = -np.asarray(light.z_axis)
+    return block
+
+
+# --- materials ----------------------------------------------------------------------------------
+
+
+def steel_block(material: SteelMaterial) -> F32:
+    """TgSteel."""
+    block = np.zeros((21 + MAX_LEVELS, 4), np.float32)
+    for part in range(8):
+        lobe, weight = material.part_lobes[part], material.part_weights[part]
+        block[part] = (*lobe, weight)
+        # Where a map gives w, the ji under a ha or boshi face is the ji's.
+        smooth = PART_JI if material.part_rough[part] else part
+        block[8 + part] = (*material.part_lobes[smooth], material.part_weights[smooth])
+    block[16] = material.ha
+    block[17] = material.hadori
+    block[18:20] = np.asarray(material.part_rough, np.float32).reshape(2, 4)
+    if material.maps is not None:
+        height, width = material.maps.lobes.shape[:2]
+        levels = material.maps.levels[:MAX_LEVELS]
+        block[20] = (1.0 / width, 1.0 / height, len(levels), max(levels[0, 2:]))
+        block[21 : 21 + len(levels)] = levels
+    return block
+
+
+def plain_block(material: PlainMaterial) -> F32:
+    """TgPlain."""
+    block = np.zeros((2, 4), np.float32)
+    block[0] = (*material.albedo, material.ior)
+    block[1, :2] = (material.gloss_ln_mu_deg, material.metallic)
+    return block
+
+
+def table_block(rows: Sequence[F32]) -> F32:
+    """TgTable from rows of (TABLE_SIZE, 3)."""
+    block = np.zeros((TABLE_ROWS, TABLE_SIZE, 4), np.float32)
+    for i, row in enumerate(rows):
+        block[i, :, :3] = row
+    return block
+
+
+# --- maps ---------------------------------------------------------------------------------------
+
+# What the shaders take: mu from 0.001 to 80 degrees, aspect up to 100:1.
+LN_MU_DEG_RANGE = (math.log(0.001), math.log(80.0))
+SHAPE_LIMIT = 0.5 * math.log(100.0)
+
+
+def map_data(lobes: NDArray[np.float16], shape: NDArray[np.float16] | None, levels: I32) -> MapData:
+    """Atlases with every value inside the model's range."""
+    lobes = lobes.copy()
+    lobes[..., 0:2] = np.clip(lobes[..., 0:2], *LN_MU_DEG_RANGE)
+    lobes[..., 2:4] = np.clip(lobes[..., 2:4], 0.0, 1.0)
+    if shape is not None:
+        shape = np.clip(shape, -SHAPE_LIMIT, SHAPE_LIMIT)
+    x, y, width, height = (int(v) for v in levels[0])
+    return MapData(
+        lobes=lobes,
+        shape=shape,
+        levels=np.asarray(levels, np.int32),
+        hadori=bool((lobes[y : y + height, x : x + width, 3] > 0.0).any()),
+        anisotropic=shape is not None and bool((np.abs(shape) > 1e-3).any()),
+    )
+
+
+# --- meshes -------------------------------------------------------------------------------------
+
+
+def _merge_key(columns: Sequence[NDArray[np.uint32]]) -> NDArray[np.uint64]:
+    """64-bit mix of the bit patterns of a corner's attributes: equal corners have equal keys."""
+    key = np.full(len(columns[0]), 0x9E3779B97F4A7C15, np.uint64)
+    with np.errstate(over="ignore"):
+        for column in columns:
+            key ^= column.astype(np.uint64)
+            key *= np.uint64(0xBF58476D1CE4E5B9)
+            key ^= key >> np.uint64(29)
+    return key
+
+
+def _fill_degenerate(normal: F32) -> F32:
+    """Normals that are zero or not finite become +z; the rest is left as it is."""
+    good = np.isfinite(normal).all(axis=1) & (np.abs(normal).max(axis=1, initial=0.0) > 0.0)
+    if good.all():
+        return normal
+    return np.where(good[:, None], normal, np.asarray((0.0, 0.0, 1.0), np.float32))
+
+
+def uv_tangents(position: F32, uv: F32, triangles: NDArray[np.integer]) -> F32:
+    """(V, 3) direction of growing u at each vertex, not yet perpendicular to the normal; zero where
+    the UVs have no area."""
+    p, t = position[triangles], uv[triangles]
+    e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    d1, d2 = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
+    area = d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]
+    # Times the area's sign only: large triangles weigh more, folded ones do not turn the direction.
+    face = (e1 * d2[:, 1:2] - e2 * d1[:, 1:2]) * np.sign(area)[:, None]
+    total = np.zeros((len(position), 3), np.float64)
+    for corner in range(3):
+        for axis in range(3):
+            total[:, axis] += np.bincount(
+                triangles[:, corner], weights=face[:, axis], minlength=len(position)
+            )
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.divide(total, length, out=np.zeros_like(total), where=length > 0).astype(np.float32)
+
+
+def build_mesh(
+    position: F32,
+    corner_vertex: NDArray[np.int32],
+    triangle_corners: NDArray[np.int32],
+    triangle_face: NDArray[np.int32],
+    corner_normal: F32,
+    face_part: NDArray[np.integer] | None,
+    face_slot: NDArray[np.integer] | None,
+    corner_uv: F32 | None,
+    corner_tangent: F32 | None,
+    blade_slots: frozenset[int] = frozenset(),
+) -> MeshData:
+    """A mesh for the GPU from Blender's arrays.
+
+    position (V, 3); corner_vertex (C,); triangle_corners (T, 3) into the corners; triangle_face (T,);
+    corner_normal, corner_tangent (C, 3); corner_uv (C, 2); face_part, face_slot (F,). Vertices are
+    corners, those that agree in everything merged. Faces without a part are ji (the blade has one
+    part then). blade_slots: material slots whose nakago faces are drawn with the plain program.
+    """
+    triangles = np.asarray(triangle_corners, np.int64)
+    if not len(triangles):
+        empty = np.zeros((0, 3), np.float32)
+        return MeshData(empty, np.zeros((0, 4), np.float32), None, None, ())
+    corner_count = len(corner_vertex)
+    part = np.full(corner_count, PART_JI, np.float32)
+    triangle_part = np.full(len(triangles), PART_JI, np.int64)
+    if face_part is not None:
+        triangle_part = np.clip(np.asarray(face_part, np.int64)[triangle_face], 0, 7)
+        part[triangles] = triangle_part[:, None]
+    normal = _fill_degenerate(np.asarray(corner_normal, np.float32))
+    columns = [np.asarray(corner_vertex).astype(np.uint32), part.view(np.uint32)]
+    columns += [np.ascontiguousarray(normal[:, i]).view(np.uint32) for i in range(3)]
+    if corner_uv is not None:
+        corner_uv = np.nan_to_num(np.asarray(corner_uv, np.float32), posinf=0.0, neginf=0.0)
+        columns += [np.ascontiguousarray(corner_uv[:, i]).view(np.uint32) for i in range(2)]
+    if corner_tangent is not None:
+        corner_tangent = np.nan_to_num(np.asarray(corner_tangent, np.float32), posinf=0.0, neginf=0.0)
+        columns += [np.ascontiguousarray(corner_tangent[:, i]).view(np.uint32) for i in range(3)]
+    _, first, inverse = np.unique(_merge_key(columns), return_index=True, return_inverse=True)
+    # In the order of the mesh rather than of the keys, which the vertex cache likes.
+    order = np.argsort(first, kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    first = first[order]
+    merged = rank[inverse.reshape(-1)][triangles]
+    points = np.nan_to_num(np.asarray(position, np.float32)[np.asarray(corner_vertex)[first]])
+    uv = None if corner_uv is None else np.ascontiguousarray(corner_uv[first])
+    if corner_tangent is not None:
+        tangent = np.ascontiguousarray(corner_tangent[first])
+    else:
+        tangent = None if uv is None else uv_tangents(points, uv, merged)
+    slots = (
+        np.zeros(len(triangles), np.int64)
+        if face_slot is None
+        else np.maximum(np.asarray(face_slot, np.int64)[triangle_face], 0)
+    )
+    nakago = (triangle_part == PART_NAKAGO) & np.isin(slots, list(blade_slots))
+    groups = []
+    for slot in np.unique(slots):
+        for is_nakago in (False, True):
+            chosen = (slots == slot) & (nakago == is_nakago)
+            if chosen.any():
+                groups.append(
+                    MeshGroup(int(slot), is_nakago, np.ascontiguousarray(merged[chosen], np.uint32))
+                )
+    return MeshData(
+        position=np.ascontiguousarray(points),
+        normal_part=np.concatenate([normal[first], part[first, None]], axis=1),
+        uv=uv,
+        tangent=tangent,
+        groups=tuple(groups),
+    )

@@ -1,0 +1,183 @@
+"""What a picture needs to know of a scene: plain frozen data, without Blender and without a GPU.
+
+Lengths in Blender units, angles in radians unless named `_deg`, colours in linear RGB of the scene's
+working space. Matrices are float64, column vectors (m @ v), as Blender's are.
+
+The renderer decides by identity what to upload again: a changed mesh or map is a new object, an
+unchanged one the same object as in the scene before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+F16 = NDArray[np.float16]
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
+U32 = NDArray[np.uint32]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshGroup:
+    """Triangles of one mesh that share a material slot and a program."""
+
+    slot: int
+    nakago: bool
+    triangles: U32  # (T, 3) into the vertices
+
+
+@dataclass(frozen=True, eq=False)
+class MeshData:
+    """Vertices as the GPU gets them: one for each different (position, normal, part, uv, tangent)."""
+
+    position: F32  # (V, 3)
+    normal_part: F32  # (V, 4): unit normal, part id
+    uv: F32 | None  # (V, 2)
+    tangent: F32 | None  # (V, 3), None: the object's x axis
+    groups: tuple[MeshGroup, ...]
+
+    @property
+    def triangle_count(self) -> int:
+        return sum(len(group.triangles) for group in self.groups)
+
+
+@dataclass(frozen=True, eq=False)
+class MapData:
+    """A blade's maps as half-float atlases with their mip levels (togishi_core.pack_mip_atlas)."""
+
+    lobes: F16  # (H', W', 4): ji.ln_mu_deg, ha.ln_mu_deg, w, h
+    shape: F16 | None  # (H', W', 4): ji.e1, ji.e2, ha.e1, ha.e2
+    levels: I32  # (levels, 4): x, y, width, height
+    hadori: bool  # whether h is above 0 anywhere
+    anisotropic: bool  # whether any shape is above 0
+
+
+@dataclass(frozen=True)
+class SteelMaterial:
+    """A blade's material. Lobes are (ln_mu_deg, e1, e2); weights are negative where normalised."""
+
+    metal: str
+    part_lobes: tuple[tuple[float, float, float], ...]  # per part id, 8 of them
+    part_weights: tuple[float, ...]
+    part_rough: tuple[bool, ...]  # whether the part's lobe is a hamon
+    ha: tuple[float, float, float, float]  # lobe and beta
+    hadori: tuple[float, float, float, float]
+    maps: MapData | None = None
+
+    @property
+    def anisotropic(self) -> bool:
+        lobes = [*self.part_lobes, self.ha[:3], self.hadori[:3]]
+        constant = any(abs(e1) > 1e-6 or abs(e2) > 1e-6 for _mu, e1, e2 in lobes)
+        return constant or (self.maps is not None and self.maps.anisotropic)
+
+
+@dataclass(frozen=True)
+class PlainMaterial:
+    """Anything else: an albedo and a gloss."""
+
+    albedo: tuple[float, float, float] = (0.8, 0.8, 0.8)
+    ior: float = 1.5
+    gloss_ln_mu_deg: float = 2.5
+    metallic: float = 0.0
+
+
+@dataclass(frozen=True)
+class BladeMaterial:
+    """Polished steel, and what its nakago looks like."""
+
+    steel: SteelMaterial
+    nakago: PlainMaterial
+
+
+Material = BladeMaterial | PlainMaterial
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """One appearance of a mesh."""
+
+    mesh: str  # key in SceneData.meshes
+    matrix: F64  # (4, 4) object to world
+    materials: tuple[str, ...]  # key in SceneData.materials for each slot, at least one
+
+
+class LightKind(Enum):
+    POINT = "point"
+    SPOT = "spot"
+    SUN = "sun"
+
+
+@dataclass(frozen=True)
+class Light:
+    """A lamp. power: W for point and spot, W/m^2 for a sun (shaders/shared/light.glsl).
+
+    x_axis, y_axis, z_axis: a spot's axes in world space over their scale; it shines along -z.
+    """
+
+    kind: LightKind
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    to_light: tuple[float, float, float] = (0.0, 0.0, 1.0)  # suns
+    power: float = 1.0
+    colour: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    spectrum: str = "D65"
+    x_axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    y_axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    z_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    cone_rad: float = 0.785398
+    blend: float = 0.15
+
+    @property
+    def dark(self) -> bool:
+        """Whether it gives no light: such a lamp costs nothing."""
+        return not self.power > 0.0 or not max(self.colour) > 0.0
+
+
+@dataclass(frozen=True)
+class World:
+    """A uniform room of this radiance, before its spectrum."""
+
+    radiance: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spectrum: str = "D65"
+
+    @property
+    def black(self) -> bool:
+        return not max(self.radiance) > 0.0
+
+
+@dataclass(frozen=True)
+class ColourSettings:
+    """What turns spectra into RGB."""
+
+    observer: str = "cie1931_2"
+    space: str = "rec709"
+    adaptation: str = "none"
+
+
+@dataclass(frozen=True, eq=False)
+class SceneData:
+    """Everything that is drawn."""
+
+    meshes: dict[str, MeshData] = field(default_factory=dict)
+    instances: tuple[Instance, ...] = ()
+    materials: dict[str, Material] = field(default_factory=dict)
+    lights: tuple[Light, ...] = ()
+    world: World = World()
+    colour: ColourSettings = ColourSettings()
+    transparent: bool = False  # film: no background
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """view: world to camera (looking along -z); projection: camera to clip space, OpenGL's."""
+
+    view: F64  # (4, 4)
+    projection: F64  # (4, 4)
+
+    @property
+    def orthographic(self) -> bool:
+        return abs(float(self.projection[3, 3])) > 0.5

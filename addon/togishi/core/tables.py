@@ -1,0 +1,65 @@
+"""Rows of the tables that the programs look colours up in, made when they are first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import native
+from .scene_data import F32, ColourSettings
+from .shader_source import TABLE_SIZE
+
+# Baking one row takes tens of microseconds, so only the rows of recent lights are kept: dragging a
+# temperature makes a new spectrum at every step.
+_KEPT = 256
+
+
+class Tables:
+    """Fresnel rows by (metal, light, colour settings), and the plain rows that are the light's RGB."""
+
+    def __init__(self) -> None:
+        self._rows: dict[tuple[str, str, ColourSettings], F32] = {}
+        self.baked = 0
+        self.problems: dict[str, str] = {}  # spectrum or metal -> why it was replaced by D65 or the default iron
+
+    def rows(self, metal: str, spectra: Sequence[str], colour: ColourSettings) -> list[F32]:
+        """(TABLE_SIZE, 3) for each spectrum. metal "": rows of the light itself."""
+        return [self._row(metal, spectrum, colour) for spectrum in spectra]
+
+    def light_rgb(self, spectrum: str, colour: ColourSettings) -> tuple[float, float, float]:
+        """The light itself in RGB, luminance 1."""
+        red, green, blue = (float(v) for v in self._row("", spectrum, colour)[0])
+        return red, green, blue
+
+    def _row(self, metal: str, spectrum: str, colour: ColourSettings) -> F32:
+        key = (metal, spectrum, colour)
+        row = self._rows.get(key)
+        if row is None:
+            row = self._bake(metal, spectrum, colour)
+            while len(self._rows) >= _KEPT:
+                del self._rows[next(iter(self._rows))]
+            self._rows[key] = row
+            self.baked += 1
+        return row
+
+    def _bake(self, metal: str, spectrum: str, colour: ColourSettings) -> F32:
+        core = native.core()
+        try:
+            if metal:
+                row: F32 = core.fresnel_table(
+                    metal, spectrum, colour.observer, colour.space, TABLE_SIZE, colour.adaptation
+                )
+                return row
+            rgb = core.light_rgb(spectrum, colour.observer, colour.space, colour.adaptation)
+            return np.tile(np.asarray(rgb, np.float32), (TABLE_SIZE, 1))
+        except core.InputError as error:
+            # A picture in daylight or of iron says more than none; the message goes to the user.
+            if spectrum != "D65":
+                self.problems[spectrum] = str(error)
+                return self._row(metal, "D65", colour)
+            default = str(core.metals()[0]["name"])
+            if metal not in ("", default):
+                self.problems[metal] = str(error)
+                return self._row(default, spectrum, colour)
+            raise
