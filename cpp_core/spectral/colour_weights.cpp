@@ -1,6 +1,8 @@
 #include "spectral/colour_weights.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <string>
 
 #include "base/error.hpp"
@@ -9,55 +11,42 @@ namespace togishi {
 
 namespace {
 
-constexpr double smallest_share = 1e-12;
-
-using Functions = std::array<std::vector<double>, 3>;
-
-glm::dvec3 weighed_sum(const std::vector<double>& power, const Functions& functions,
-                       double step_nm) {
-    glm::dvec3 sum(0.0);
-    for (std::size_t i = 0; i < power.size(); ++i) {
-        sum += power[i] * glm::dvec3(functions[0][i], functions[1][i], functions[2][i]);
-    }
-    return sum * step_nm;
-}
-
-// Observers hold their functions on the two grids that every light asks for.
-Functions functions_on(const Observer& observer, const Grid& grid) {
-    if (grid == grid_61) return observer.on_61();
-    if (grid == grid_full) return observer.on_full();
-    return observer.at(grid);
-}
-
-ColourWeights weigh(const std::vector<double>& power, const Functions& functions, const Grid& grid,
-                    const glm::dvec3& scale) {
-    ColourWeights weights;
-    weights.grid = grid;
-    auto column = [&](int c) {
-        std::vector<double> values(grid.count);
-        for (std::size_t i = 0; i < grid.count; ++i) {
-            values[i] =
-                power[i] * functions[static_cast<std::size_t>(c)][i] * grid.step_nm * scale[c];
-        }
-        return values;
-    };
-    weights.x = column(0);
-    weights.y = column(1);
-    weights.z = column(2);
-    weights.white = weighed_sum(power, functions, grid.step_nm) * scale;
-    return weights;
-}
-
-// Scaled to a peak of 1, so that neither 1e-80 nor 1e80 W leaves the range of the sums.
-std::vector<double> normalised(std::vector<double> power, double peak) {
-    for (double& p : power) p /= peak;
-    return power;
-}
-
 void require_visible(const Light& light, double y) {
     if (y > 0.0) return;
-    throw InputError("light " + light.description().name, "luminance from 400 to 700 nm", "zero",
+    throw InputError("light " + light.description().name, "luminance from 360 to 830 nm", "zero",
                      "a spectrum that the eye sees");
+}
+
+glm::dvec3 sum_of(const ColourWeights& weights) {
+    auto sum = [](const std::vector<double>& v) {
+        return std::accumulate(v.begin(), v.end(), 0.0);
+    };
+    return {sum(weights.x), sum(weights.y), sum(weights.z)};
+}
+
+// Shares each 1 nm product of power and colour-matching function out between the two samples of the
+// grid around it, in proportion to its distance from them; what lies beyond the grid goes to its
+// end.
+ColourWeights shared_out(const std::vector<double>& power,
+                         const std::array<std::vector<double>, 3>& functions, const Grid& grid) {
+    ColourWeights weights{grid, std::vector<double>(grid.count), std::vector<double>(grid.count),
+                          std::vector<double>(grid.count), glm::dvec3(0.0)};
+    for (std::size_t i = 0; i < grid_full.count; ++i) {
+        const double nm = grid_full.wavelength_nm(i);
+        if (power[i] == 0.0) continue;
+        const double position =
+            (std::clamp(nm, grid.first_nm, grid.last_nm()) - grid.first_nm) / grid.step_nm;
+        const auto left = std::min(static_cast<std::size_t>(position), grid.count - 2);
+        const double to_right = power[i] * (position - static_cast<double>(left));
+        const double to_left = power[i] - to_right;
+        weights.x[left] += to_left * functions[0][i];
+        weights.y[left] += to_left * functions[1][i];
+        weights.z[left] += to_left * functions[2][i];
+        weights.x[left + 1] += to_right * functions[0][i];
+        weights.y[left + 1] += to_right * functions[1][i];
+        weights.z[left + 1] += to_right * functions[2][i];
+    }
+    return weights;
 }
 
 }  // namespace
@@ -70,35 +59,20 @@ glm::dvec3 ColourWeights::xyz(std::span<const double> reflectance) const {
 }
 
 ColourWeights colour_weights(const Light& light, const Observer& observer, const Grid& grid) {
-    const auto raw_full = light.sample(grid_full);
-    const double peak = *std::max_element(raw_full.begin(), raw_full.end());
+    auto power = light.sample(grid_full);
+    // Scaled to a peak of 1 first, so that neither 1e-80 nor 1e80 leaves the range of the sums.
+    const double peak = *std::max_element(power.begin(), power.end());
     require_visible(light, peak);
-    const auto full = normalised(raw_full, peak);
-    const auto power = grid == grid_full ? full : normalised(light.sample(grid), peak);
-    const auto functions = functions_on(observer, grid);
+    for (double& p : power) p /= peak;
 
-    const glm::dvec3 w_full = weighed_sum(full, observer.on_full(), grid_full.step_nm);
-    const glm::dvec3 w_grid = weighed_sum(power, functions, grid.step_nm);
-    require_visible(light, w_full.y);
-    require_visible(light, w_grid.y);
-    const double smallest = smallest_share * std::max({w_grid.x, w_grid.y, w_grid.z});
-    glm::dvec3 scale(1.0 / w_full.y);
-    for (int c = 0; c < 3; ++c) {
-        if (w_grid[c] > smallest) scale[c] *= w_full[c] / w_grid[c];
+    auto weights = shared_out(power, observer.on_full(), grid);
+    const double luminance = sum_of(weights).y;
+    require_visible(light, luminance);
+    for (auto* column : {&weights.x, &weights.y, &weights.z}) {
+        for (double& w : *column) w /= luminance;
     }
-    return weigh(power, functions, grid, scale);
-}
-
-ColourWeights colour_weights_uncorrected(const Light& light, const Observer& observer,
-                                         const Grid& grid) {
-    const auto raw = light.sample(grid);
-    const double peak = *std::max_element(raw.begin(), raw.end());
-    require_visible(light, peak);
-    const auto power = normalised(raw, peak);
-    const auto functions = functions_on(observer, grid);
-    const double y = weighed_sum(power, functions, grid.step_nm).y;
-    require_visible(light, y);
-    return weigh(power, functions, grid, glm::dvec3(1.0 / y));
+    weights.white = sum_of(weights);
+    return weights;
 }
 
 }  // namespace togishi

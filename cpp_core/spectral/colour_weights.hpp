@@ -24,17 +24,21 @@ struct ColourWeights {
     [[nodiscard]] glm::dvec3 xyz(std::span<const double> reflectance) const;
 };
 
-/// The light at Y = 1 on a grid. The light's white is always that of 360 to 830 nm at 1 nm: on a
-/// coarser grid each of X, Y and Z is multiplied by W_full/W_grid (design, section 1), so that
-/// every grid agrees about the light itself. A component whose W_grid is zero, or below 1e-12 of
-/// the largest, is left as it is. Throws InputError where the observer sees nothing of the light on
-/// the grid.
+/// The light at Y = 1 on a grid of two samples or more.
+///
+/// Power times colour-matching function is formed at 1 nm from 360 to 830 nm, and each product is
+/// shared out between its two neighbouring samples, as a spectral line is split; what lies beyond
+/// the grid goes to its end samples. The sum then equals the full 1 nm sum of a reflectance that
+/// runs straight between the samples, so:
+/// - the light's white is that of 1 nm on every grid, for X, Y and Z alike: the correction
+/// W_full/W_grid
+///   that a sum of sampled values needs (design, section 1) is 1 by construction, with nothing to
+///   guard;
+/// - 61 samples are within a CIEDE2000 of 0.03 of 1 nm for all built-in metals and lights and for
+/// spectral
+///   lines, 0 to 88 degrees; sampled values with the correction reach 0.20 (gold, 546.1 nm).
+/// Throws InputError where the observer sees nothing of the light.
 [[nodiscard]] ColourWeights colour_weights(const Light& light, const Observer& observer,
                                            const Grid& grid = grid_61);
-
-/// The same sum over the grid without the correction, scaled by its own Y: for measuring what the
-/// correction gains.
-[[nodiscard]] ColourWeights colour_weights_uncorrected(const Light& light, const Observer& observer,
-                                                       const Grid& grid);
 
 }  // namespace togishi

@@ -25,6 +25,7 @@ constexpr double noise_share = 0.02;
 // What the CIE recommends that colorimetry should cover at least (CIE 015:2018, 7.2).
 constexpr double wanted_first_nm = 380.0;
 constexpr double wanted_last_nm = 780.0;
+constexpr double wanted_spacing_nm = 5.0;
 
 std::string text_of(double value) {
     std::array<char, 32> buffer{};
@@ -36,7 +37,8 @@ double planck(double nm, double temperature_k) {
     constexpr double at_nm = 560.0;
     const double ratio = std::expm1(radiation_c2_nm_k / (at_nm * temperature_k)) /
                          std::expm1(radiation_c2_nm_k / (nm * temperature_k));
-    return 100.0 * std::pow(at_nm / nm, 5) * ratio;
+    const double r = at_nm / nm;
+    return 100.0 * r * r * r * r * r * ratio;
 }
 
 // Gives `amount` at `nm` to its two neighbours among increasing wavelengths, in proportion.
@@ -141,9 +143,10 @@ void note_range_and_spacing(const TableSpectrum& table, std::vector<std::string>
         if (nm[i + 1] > grid_61.first_nm && nm[i] < grid_61.last_nm())
             widest = std::max(widest, nm[i + 1] - nm[i]);
     }
-    if (finer_than(table, grid_61.step_nm)) {
-        notes.push_back("resampled: finer rows were shared out among the 5 nm samples");
-    } else if (widest > grid_61.step_nm * (1.0 + 1e-6)) {
+    if (finer_than(table, grid_full.step_nm)) {
+        notes.emplace_back("resampled: rows closer than 1 nm were averaged over 1 nm");
+    }
+    if (widest > wanted_spacing_nm * (1.0 + 1e-6)) {
         notes.push_back("resampled: rows up to " + text_of(widest) +
                         " nm apart were joined by straight lines");
     }

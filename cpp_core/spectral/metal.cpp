@@ -1,6 +1,7 @@
 #include "spectral/metal.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/error.hpp"
@@ -66,8 +67,17 @@ const std::vector<std::shared_ptr<const Metal>>& builtin_metals() {
                 parse_table(file.text, "data/" + std::string(file.path), "metal", metal_columns,
                             TableMetadata::required)));
         }
-        std::stable_partition(all.begin(), all.end(),
-                              [](const auto& m) { return m->name() == default_metal; });
+        // As a user would look for them, the default first; files not named here follow by name.
+        constexpr std::array<std::string_view, 6> order{default_metal,
+                                                        "iron_querry",
+                                                        "stainless_ferritic_karlsson",
+                                                        "copper_johnson_christy",
+                                                        "gold_johnson_christy",
+                                                        "silver_johnson_christy"};
+        std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) {
+            return std::find(order.begin(), order.end(), a->name()) <
+                   std::find(order.begin(), order.end(), b->name());
+        });
         return all;
     }();
     return metals;

@@ -18,7 +18,6 @@ Observer::Observer(TableFile table) : table_(std::move(table)) {
             }
         }
     }
-    on_61_ = at(grid_61);
     on_full_ = at(grid_full);
 }
 

@@ -19,13 +19,11 @@ class Observer {
     [[nodiscard]] const TableFile& table() const { return table_; }
     /// x_bar, y_bar, z_bar at the wavelengths of a grid; linear between the 1 nm rows, 0 outside.
     [[nodiscard]] std::array<std::vector<double>, 3> at(const Grid& grid) const;
-    /// The same for the two grids that every light is weighed on; computed once.
-    [[nodiscard]] const std::array<std::vector<double>, 3>& on_61() const { return on_61_; }
+    /// The same on grid_full, which every light is weighed on.
     [[nodiscard]] const std::array<std::vector<double>, 3>& on_full() const { return on_full_; }
 
   private:
     TableFile table_;
-    std::array<std::vector<double>, 3> on_61_;
     std::array<std::vector<double>, 3> on_full_;
 };
 
