@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 from bench_rows import TIME_UNITS_S, Curve, Row
 
-matplotlib.use("svg")
+matplotlib.use("agg")
 from matplotlib import pyplot
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -114,7 +114,8 @@ def test_whatever_a_map_holds_the_lobe_is_finite_and_the_same_everywhere(
     """Any float at all: NaN, infinities, denormals, 1e38."""
     width = len(scalars(shared.input_leaves(shared.functions[function])))
     rng = np.random.default_rng(13)
-    wild = rng.integers(0, 2**32, (ROWS, width), dtype=np.uint64).astype(np.uint32).view(np.float32)
+    bits = rng.integers(0, 2**32, (ROWS, width), dtype=np.uint64).astype(np.uint32)
+    wild = np.where(np.isnan(bits.view(np.float32)), np.float32(np.nan), bits.view(np.float32))
     usual = rng.normal(size=(ROWS, width)).astype(np.float32)
     rows = np.where(rng.uniform(size=(ROWS, width)) < 0.5, wild, usual)
     if function == "lobe_from_mu":
