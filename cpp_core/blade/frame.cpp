@@ -14,7 +14,7 @@ double BladeFrame::at(const std::vector<double>& curve, double s_mm) const {
 }
 
 double BladeFrame::chart_x_mm(double s_mm, double from_ridge_mm) const {
-    return s_mm - at(skew, s_mm) * (from_ridge_mm - at(skew_pivot_mm, s_mm));
+    return s_mm - at(skew, s_mm) * std::max(0.0, from_ridge_mm - at(mune_mm, s_mm));
 }
 
 double BladeFrame::distance_to_edge_mm(double x_mm, double t_mm, double s_mm) const {
@@ -26,8 +26,7 @@ double BladeFrame::distance_to_edge_mm(double x_mm, double t_mm, double s_mm) co
     const auto end = static_cast<std::ptrdiff_t>(edge_mm.size()) - 1;
     auto point_x = [&](std::ptrdiff_t i) {
         const auto k = static_cast<std::size_t>(i);
-        return step * static_cast<double>(i) - nakago_mm -
-               skew[k] * (edge_mm[k] - skew_pivot_mm[k]);
+        return step * static_cast<double>(i) - nakago_mm - skew[k] * (edge_mm[k] - mune_mm[k]);
     };
     auto squared = [&](std::ptrdiff_t i) {
         const double dx = point_x(i) - x_mm;

@@ -6,9 +6,9 @@
 // developed distance from the mune ridge / chart height. So one texel has the same size everywhere
 // on the blade.
 //
-// x is s with a correction: x = s - skew(s) (t - skew_pivot(s)), t being the distance from the
-// ridge. Where the mune narrows, the developed sides no longer fit beside it straight; turning them
-// by `skew` shares the misfit out.
+// x = s - skew(s) (t - mune(s)) outside the mune, t being the distance from the ridge: where the
+// mune narrows, the developed sides no longer fit beside it straight, and turning them by `skew`
+// shares the misfit out.
 #pragma once
 #include <vector>
 
@@ -40,8 +40,7 @@ class BladeFrame {
     std::vector<double> mune_mm;  ///< from the mune ridge to the mune's corner
     std::vector<double>
         suguha_mm;  ///< from the mune ridge to the nominal suguha, the border of ji and ha
-    std::vector<double> skew;           ///< see above; as long as edge_mm
-    std::vector<double> skew_pivot_mm;  ///< the t at which x = s
+    std::vector<double> skew;  ///< see above, radians
 
     [[nodiscard]] double length_mm() const { return nakago_mm + nagasa_mm; }
     /// u, v in [0, 1]; outside, the nearest point of the chart's border is taken.

@@ -116,7 +116,7 @@ std::vector<RowPlace> make_rows(const KatanaShape& shape, double scale) {
         for (int i = 0; i <= cells; ++i) {
             double x = static_cast<double>(i) / cells;
             // Closer towards the tip, where the fukura turns most for each mm of the mune.
-            if (stretch == Stretch::kissaki) x = 1 - std::pow(1 - x, 1.6);
+            if (stretch == Stretch::kissaki) x = 1 - std::pow(1 - x, 1.35);
             const double q = i == cells ? last : first + (last - first) * x;
             rows.push_back({stretch, q, vertex_row + i});
         }
@@ -171,9 +171,13 @@ class Builder {
         const bool end = vertex_row == 0;
         const bool tip = vertex_row == last_vertex_row();
         const KatanaShape::Row exact = shape_.row(stretch, q);
-        // Ends are single points: normals there are those just before.
-        const double near_q = end ? 1e-5 : tip ? q - 1e-5 * shape_.parameters().kissaki_mm : q;
-        const KatanaShape::Row row = end || tip ? shape_.row(stretch, near_q) : exact;
+        // Ends are single points, and the foot closes at the machi: normals there are those just
+        // before.
+        double near_q = q;
+        if (end) near_q = 1e-5;
+        if (tip) near_q = q - 1e-5 * shape_.parameters().kissaki_mm;
+        if (stretch == Stretch::machi && q >= 0) near_q = -1e-5;
+        const KatanaShape::Row row = shape_.row(stretch, near_q);
         const ChartRow across = KatanaChart::row(shape_, stretch, near_q);
         const double s = chart_.s_mm(exact.arc_mm);
         const BladeFrame& frame = chart_.frame();

@@ -266,10 +266,10 @@ void check_katana(const KatanaParameters& p, std::string_view where) {
     require(p.nakago_mm >= 1.5 * p.motohaba_mm, where, "nakago_mm", p.nakago_mm,
             "at least 1.5 motohaba (" + mm(1.5 * p.motohaba_mm) + ")");
     if (p.mekugi_ana_mm > 0) {
-        require(p.mekugi_ana_mm >= 1 && p.mekugi_ana_mm <= 0.35 * p.nakago_sakihaba_mm, where,
+        require(p.mekugi_ana_mm >= 1 && p.mekugi_ana_mm <= 0.45 * p.nakago_sakihaba_mm, where,
                 "mekugi_ana_mm", p.mekugi_ana_mm,
-                "0 (none) or 1 mm to " + mm(0.35 * p.nakago_sakihaba_mm) +
-                    " (0.35 of the nakago's width at its end)");
+                "0 (none) or 1 mm to " + mm(0.45 * p.nakago_sakihaba_mm) +
+                    " (0.45 of the nakago's width at its end)");
         const double lo = 5 + p.mekugi_ana_mm;
         const double hi = p.nakago_mm - p.nakago_sakihaba_mm - 1.5 * p.mekugi_ana_mm;
         require(p.mekugi_ana_from_machi_mm >= lo && p.mekugi_ana_from_machi_mm <= hi, where,

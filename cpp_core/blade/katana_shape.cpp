@@ -119,7 +119,7 @@ Section KatanaShape::kissaki_section(const Dual& arc) const {
             has_yokote() ? -ko_shinogi_break * start.shinogi_d.v : start.shinogi_d.q * length;
         s.shinogi_d = conic(x, start.shinogi_d.v, fall, 0.42, 1);
     }
-    const Dual corner = conic(x, start.corner_y.v, start.corner_y.q * length, 0.36, 1);
+    const Dual corner = conic(x, start.corner_y.v, start.corner_y.q * length, 0.32, 1);
     finish_blade(s, corner);
     // The bulge falls from the yokote on, which sets the kissaki off against the ji across its
     // whole width.
@@ -290,7 +290,8 @@ SurfacePoint KatanaShape::Row::at(Strip strip, double f) const {
     SurfacePoint p;
     p.position_mm = glm::dvec3(line.position_mm.x, 0, line.position_mm.y) + y.v * out - d.v * up;
     p.along = t * ((1 + line.curvature_per_mm * d.v) * arc.q) + y.q * out - d.q * up;
-    const glm::dvec3 n = glm::cross(p.along, y.f * out - d.f * up);
+    p.across = y.f * out - d.f * up;
+    const glm::dvec3 n = glm::cross(p.along, p.across);
     p.normal = n / glm::length(n);
     return p;
 }

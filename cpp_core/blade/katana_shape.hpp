@@ -36,6 +36,7 @@ struct SurfacePoint {
     glm::dvec3 position_mm;
     glm::dvec3 normal;  ///< outwards, unit
     glm::dvec3 along;   ///< derivative by q at constant f, not unit
+    glm::dvec3 across;  ///< derivative by f at constant q, not unit
 };
 
 class KatanaShape {
