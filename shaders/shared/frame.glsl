@@ -39,3 +39,28 @@ TG_FN TangentFrame tangent_frame(vec3 normal, vec3 tangent) {
     f.bitangent = cross(f.normal, f.tangent);
     return f;
 }
+
+// A unit normal of which z > -1 (in view space every visible one) as two numbers, by stereographic projection:
+// exact to the last bits of a float, and back to a unit vector without a square root.
+TG_FN vec2 fold_normal(vec3 normal) {
+    float s = float(1.0) / max(float(1.0) + normal.z, float(1.0e-6));
+    return vec2(normal.x * s, normal.y * s);
+}
+
+TG_FN vec3 unfold_normal(vec2 folded) {
+    float d = float(1.0) + folded.x * folded.x + folded.y * folded.y;
+    float s = float(2.0) / d;
+    return vec3(folded.x * s, folded.y * s, s - float(1.0));
+}
+
+// Two directions perpendicular to a normal of which z > -1, smooth over all of them, so that a tangent can be kept
+// as its angle from the first one. Source: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6/1, 2017.
+TG_FN TangentFrame smooth_frame(vec3 normal) {
+    TangentFrame f;
+    float a = float(1.0) / max(float(1.0) + normal.z, float(1.0e-6));
+    float b = -normal.x * normal.y * a;
+    f.normal = normal;
+    f.tangent = vec3(float(1.0) - normal.x * normal.x * a, b, -normal.x);
+    f.bitangent = vec3(b, float(1.0) - normal.y * normal.y * a, -normal.y);
+    return f;
+}

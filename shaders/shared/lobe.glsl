@@ -148,26 +148,24 @@ TG_FN LobeMoments lobe_moments(Lobe valid, LobeShape shape) {
 
 // The one lobe that has these moments. Moments narrower than the aspect 100:1 (or negative by rounding) are taken
 // as that aspect; where xx + yy is not positive, an isotropic lobe of 1 degree.
-TG_FN Lobe lobe_from_moments(LobeMoments m) {
-    Lobe lobe;
-    lobe.ln_mu_deg = float(0.0);
-    lobe.e1 = float(0.0);
-    lobe.e2 = float(0.0);
-    if (!(m.xx + m.yy > float(0.0))) {
-        return lobe;
-    }
-    float mean = float(0.5) * (m.xx + m.yy);
-    float d = float(0.5) * (m.xx - m.yy);
-    float q2 = d * d + m.xy * m.xy;
-    float wide = mean + sqrt(q2);
+TG_FN Lobe lobe_from_moments(LobeMoments moments) {
+    bool usable = moments.xx + moments.yy > float(0.0);
+    float xx = usable ? moments.xx : float(1.0);
+    float yy = usable ? moments.yy : float(1.0);
+    float xy = usable ? moments.xy : float(0.0);
+    float mean = float(0.5) * (xx + yy);
+    float d = float(0.5) * (xx - yy);
+    float q = sqrt(d * d + xy * xy);
+    float wide = mean + q;
     // mu_b^2 = det/mu_t^2, not mean - q: the difference of two near numbers is the determinant's only.
-    float narrow = max((m.xx * m.yy - m.xy * m.xy) / wide, wide * float(1.0e-4));
+    float narrow = max((xx * yy - xy * xy) / wide, wide * float(1.0e-4));
     float ln_wide = log(wide);
     float ln_narrow = log(narrow);
+    float r_over_q = q > float(0.0) ? float(0.25) * (ln_wide - ln_narrow) / q : float(0.0);
+    Lobe lobe;
     lobe.ln_mu_deg = float(0.25) * (ln_wide + ln_narrow);
-    float r_over_q = q2 > float(0.0) ? float(0.25) * (ln_wide - ln_narrow) / sqrt(q2) : float(0.0);
     lobe.e1 = d * r_over_q;
-    lobe.e2 = m.xy * r_over_q;
+    lobe.e2 = xy * r_over_q;
     return lobe;
 }
 
@@ -201,6 +199,14 @@ TG_FN Facet facet_of_half_vector(vec3 half_vector, vec3 normal, vec3 tangent, ve
 
 // D in [0, 1]. Error in float: that of the facet over the narrow half width, 3e-7 rad/mu_b, and
 // 1e-7 (mu_t/mu_b)^2 from the cancellation in an oblique form (1e-3 at 100:1).
+// What remains of it for lobes without a direction: phi alone.
+TG_FN Facet facet_isotropic(vec3 half_vector, vec3 normal) {
+    Facet facet;
+    facet.dx = atan(length(cross(normal, half_vector)), dot(normal, half_vector));
+    facet.dy = float(0.0);
+    return facet;
+}
+
 TG_FN float lobe_value(LobeForm form, Facet facet) {
     float exponent = form.xx * facet.dx * facet.dx + float(2.0) * form.xy * facet.dx * facet.dy +
                      form.yy * facet.dy * facet.dy;

@@ -27,29 +27,30 @@ struct Reflection {
 // All vectors of unit length. Defined results where nothing is reflected: N.L or N.V <= TG_MIN_COS (so 0,
 // negative and exactly 90 degrees), L = -V, and any vector that is zero, NaN or infinite: lit = 0 and every other
 // member 0, so that no later product meets NaN.
-TG_FN LightGeometry light_geometry(vec3 normal, vec3 tangent, vec3 bitangent, vec3 view, vec3 light) {
-    LightGeometry g;
+// Unit, or shorter than 1/2 where L = -V: then there is no half vector, one of the cosines to the normal is <= 0
+// and nothing is reflected.
+TG_FN vec3 half_vector_of(vec3 view, vec3 light) {
     vec3 sum = light + view;
-    float length2 = dot(sum, sum);
+    return sum * (float(1.0) / sqrt(max(dot(sum, sum), float(1.0e-12))));
+}
+
+TG_FN LightGeometry light_geometry_at(vec3 normal, vec3 view, vec3 light, vec3 half_vector, Facet facet) {
+    LightGeometry g;
     float n_dot_v = dot(normal, view);
     g.cos_i = dot(normal, light);
-    // Every comparison is false for NaN. |L + V|^2 is at most 4, by rounding a little more.
-    bool lit = g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && length2 > float(1.0e-12) && length2 < float(4.1);
-    if (!lit) {
-        g.lit = float(0.0);
-        g.cos_i = float(0.0);
-        g.cos_h = float(0.0);
-        g.g_over_cos_r = float(0.0);
-        g.facet.dx = float(0.0);
-        g.facet.dy = float(0.0);
-        return g;
-    }
-    g.lit = float(1.0);
-    vec3 half_vector = sum * (float(1.0) / sqrt(length2));
+    g.lit = (g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && dot(half_vector, half_vector) > float(0.25)) ? float(1.0)
+                                                                                                         : float(0.0);
     g.cos_h = clamp(dot(light, half_vector), float(0.0), float(1.0));
-    g.facet = facet_of_half_vector(half_vector, normal, tangent, bitangent);
-    g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), n_dot_v, g.cos_i, g.cos_h);
+    g.facet = facet;
+    g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), max(n_dot_v, TG_MIN_COS),
+                                          max(g.cos_i, TG_MIN_COS), g.cos_h);
     return g;
+}
+
+TG_FN LightGeometry light_geometry(vec3 normal, vec3 tangent, vec3 bitangent, vec3 view, vec3 light) {
+    vec3 half_vector = half_vector_of(view, light);
+    return light_geometry_at(normal, view, light, half_vector,
+                             facet_of_half_vector(half_vector, normal, tangent, bitangent));
 }
 
 // measured < 0 asks for the normalised weight, else it is chi.
