@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 import togishi_core
 from formula_cases import CASES, DEGENERATE, Case, Tolerance
-from gpu_formulas import GpuFormulas, SharedText, ensure_gpu_context, scalars
+from gpu_context import ensure_gpu_context
+from gpu_formulas import GpuFormulas, SharedText, scalars
 from togishi.core import shader_source
 
 ROWS = 40_000
