@@ -1,5 +1,6 @@
 // The mesh of a generated katana.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -12,6 +13,18 @@
 #include "blade/part.hpp"
 
 namespace togishi {
+
+/// Vertices that the dimensions are measured between. Pairs: omote, ura.
+struct KatanaLandmarks {
+    std::int32_t tip = 0;
+    std::int32_t nakago_end = 0;  ///< on the end's middle line, or omote's corner of it
+    std::int32_t machi_ridge = 0, machi_edge = 0;  ///< mune-machi and ha-machi
+    std::int32_t yokote_ridge = 0,
+                 yokote_edge = 0;  ///< where the kissaki (without yokote: the fukura) starts
+    std::array<std::int32_t, 2> machi_corner{}, yokote_corner{};
+    std::array<std::int32_t, 2> machi_shinogi{},
+        yokote_shinogi{};  ///< the corner where there is no shinogi
+};
 
 /// A watertight polygon mesh of triangles and quads. mm; +X to the tip, +Z to the back, +Y out of
 /// omote. V vertices, F faces, C corners; faces turn counter-clockwise seen from outside.
@@ -27,6 +40,7 @@ struct KatanaMesh {
         corner_tangent;                ///< C, unit, at right angles to the normal, towards the tip
     std::vector<glm::vec2> corner_uv;  ///< C, the chart of frame.hpp
     BladeFrame frame;
+    KatanaLandmarks landmarks;
 
     [[nodiscard]] std::size_t face_count() const { return face_part.size(); }
 };

@@ -270,6 +270,14 @@ void check_katana(const KatanaParameters& p, std::string_view where) {
                 "mekugi_ana_mm", p.mekugi_ana_mm,
                 "0 (none) or 1 mm to " + mm(0.45 * p.nakago_sakihaba_mm) +
                     " (0.45 of the nakago's width at its end)");
+        // Room across: on the shinogi-ji above the shinogi, or on the one side of a hira-zukuri.
+        const double share = nakago_width > 0 ? p.nakago_sakihaba_mm / nakago_width : 1;
+        const double room =
+            shinogi ? 2 * share * (p.moto_shinogi_haba_mm - p.mune_machi_mm) - 1.2 * mune_moto
+                    : share * nakago_width - 2 * mune_moto;
+        require(1.25 * p.mekugi_ana_mm <= room, where, "mekugi_ana_mm", p.mekugi_ana_mm,
+                "0 (none) or at most " + mm(room / 1.25) +
+                    ": centred on the shinogi it must clear the mune");
         const double lo = 5 + p.mekugi_ana_mm;
         const double hi = p.nakago_mm - p.nakago_sakihaba_mm - 1.5 * p.mekugi_ana_mm;
         require(p.mekugi_ana_from_machi_mm >= lo && p.mekugi_ana_from_machi_mm <= hi, where,

@@ -27,6 +27,15 @@ Dual conic(const Dual& x, double start, double slope, double reach, double weigh
     return (u * u * Dual(start) + middle * Dual(start + slope * reach)) / (u * u + middle + t * t);
 }
 
+// From 0 to 1 on [0, 1]: its slope rises smoothly from 0 over the first part, then stays.
+Dual eased_fall(const Dual& x) {
+    constexpr double rise = 0.6;
+    constexpr double slope = 1 / (1 - 0.5 * rise);
+    if (x.v >= rise) return Dual(slope) * (x - Dual(0.5 * rise));
+    const Dual z = x / Dual(rise);
+    return Dual(slope * rise) * z * z * z * (Dual(1) - Dual(0.5) * z);
+}
+
 constexpr double fukura_weight = 0.86;
 constexpr double width_funbari = 0.5;
 constexpr double kasane_funbari = 0.25;
@@ -119,7 +128,9 @@ Section KatanaShape::kissaki_section(const Dual& arc) const {
             has_yokote() ? -ko_shinogi_break * start.shinogi_d.v : start.shinogi_d.q * length;
         s.shinogi_d = conic(x, start.shinogi_d.v, fall, 0.42, 1);
     }
-    const Dual corner = conic(x, start.corner_y.v, start.corner_y.q * length, 0.32, 1);
+    // The mune narrows to the point without a break at the yokote.
+    const Dual corner = Dual(start.corner_y.v) * (Dual(1) - eased_fall(x)) +
+                        Dual(start.corner_y.q * length) * x * (Dual(1) - x);
     finish_blade(s, corner);
     // The bulge falls from the yokote on, which sets the kissaki off against the ji across its
     // whole width.
