@@ -12,8 +12,8 @@ namespace togishi {
 namespace {
 
 constexpr double grid_step_mm = 0.125;
-constexpr double brush_mm = 0.3;  // how soft the clay's own border is, half width
-constexpr float far_mm = 4.0F;    // distances are not told apart beyond this
+constexpr double brush_mm = 0.25;  // how soft the clay's own border is, half width
+constexpr float far_mm = 4.0F;     // distances are not told apart beyond this
 
 float smooth_union(float a, float b, float k) {
     const float h = std::max(k - std::abs(a - b), 0.0F) / k;
@@ -79,7 +79,7 @@ float strip_cover(const ClayStrip& strip, float s, float q) {
     const float half = static_cast<float>(strip.half_width) * (1.0F - 0.35F * n.along);
     const float t = n.distance / half;
     // The brush runs dry towards the edge.
-    return static_cast<float>(strip.strength) * (1.0F - 0.55F * n.along) * std::exp(-t * t);
+    return static_cast<float>(strip.strength) * (1.0F - 0.4F * n.along) * std::exp(-t * t);
 }
 
 /// The items of a list sorted by s that may reach into [s - reach, s + reach].

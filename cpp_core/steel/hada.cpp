@@ -11,10 +11,10 @@ Hada::Hada(HadaStyle style, double scale, std::uint64_t seed)
     : style_(style), scale_(scale), seed_(static_cast<std::uint32_t>(seed * 0x27D4EB2FU) + 4000U) {
     switch (style) {
         case HadaStyle::itame:
-            cut_ = 0.3;
-            warps_[0] = {1.1, 26.0, 6.5};
-            warps_[1] = {0.42, 8.5, 2.8};
-            warps_[2] = {0.13, 2.8, 1.1};
+            cut_ = 0.6;
+            warps_[0] = {1.0, 30.0, 5.5};
+            warps_[1] = {0.36, 9.0, 2.1};
+            warps_[2] = {0.1, 2.6, 0.8};
             layers_per_mm_ = 1.5;
             break;
         case HadaStyle::masame:

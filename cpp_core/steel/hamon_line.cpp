@@ -89,7 +89,7 @@ class Drawing {
                 slow = 0.35;
                 break;
             case HamonStyle::choji:
-                drop = 2.7;
+                drop = 3.0;
                 slow = 0.4;
                 break;
             case HamonStyle::ko_choji:
@@ -130,8 +130,8 @@ class Drawing {
     void maybe_leg(double s, double top_q, double reach) {
         const bool present = strips_.common_uniform() < 0.25 + 0.75 * p_.ashi;
         const double depth = top_q * std::clamp(reach + 0.16 * strips_.normal(), 0.12, 0.85);
-        const double half = std::clamp(0.24 + 0.06 * strips_.normal(), 0.12, 0.5);
-        const double strength = std::clamp(0.62 + 0.16 * strips_.normal(), 0.25, 0.95);
+        const double half = std::clamp(0.33 + 0.08 * strips_.normal(), 0.15, 0.6);
+        const double strength = std::clamp(0.85 + 0.12 * strips_.normal(), 0.4, 1.0);
         const double lean = 0.35 * strips_.normal();
         if (present && p_.ashi > 0.0)
             add_leg(s, top_q, depth, half, strength * std::min(1.0, 0.4 + p_.ashi), lean);
@@ -181,6 +181,7 @@ class Drawing {
     }
 
     void add_arch(double s0, double s1, double high) {
+        if (high < 0.1 || s1 - s0 < 0.1) return;  // calm line
         const double s = 0.5 * (s0 + s1);
         HamonCrest c;
         c.kind = HamonCrest::Kind::arch;
@@ -223,6 +224,7 @@ class Drawing {
     }
 
     void add_clove(double s, double high, double half, double neck, double lean) {
+        if (high < 0.35 || half < 0.1) return;  // calm line
         HamonCrest c;
         c.kind = HamonCrest::Kind::clove;
         c.s = s;
@@ -239,32 +241,44 @@ class Drawing {
         const double scale = p_.hamon_scale * size;
         double s = 5.0;
         while (s < end()) {
-            // A cluster: its middle rises above its flanks.
-            const double count = std::floor(3.0 + 4.0 * crests_.common_uniform());
-            const double rise = 0.85 + 0.3 * crests_.common_uniform();
+            // A cluster: cloves side by side on a low swell, its middle higher than its flanks.
+            const double count = std::floor(3.0 + 5.0 * crests_.common_uniform());
+            const double rise = 0.8 + 0.4 * crests_.common_uniform();
             const double tilt = 0.25 * crests_.normal();
+            const double lean = 0.1 * crests_.normal();
+            const bool tall_first = crests_.common_uniform() < 0.5;
+            const double start = s;
             for (double k = 0; k < count && s < end(); k += 1) {
-                const double pitch = 3.7 * scale * std::exp(0.25 * crests_.common_normal());
+                const bool tall = (std::fmod(k, 2.0) < 0.5) == tall_first;
+                const double pitch =
+                    (tall ? 4.3 : 3.5) * scale * std::exp(0.2 * crests_.common_normal());
                 const double middle =
                     s + 0.5 * pitch + 0.3 * scale * crests_.normal() * p_.asymmetry;
                 const double across = count > 1.0 ? 2.0 * k / (count - 1.0) - 1.0 : 0.0;
-                const double arch = rise * (1.0 - 0.38 * across * across) + 0.2 * tilt * across;
+                const double arch = rise * (1.0 - 0.3 * across * across) + 0.2 * tilt * across;
                 const double high = share(middle) * amplitude(5.0 * size, middle) * arch *
-                                    std::exp(0.17 * crests_.normal());
-                const double half = 0.5 * pitch * (1.02 + 0.12 * crests_.normal());
-                add_clove(middle, std::max(high, 0.3),
-                          std::min(half, 0.2 + 0.6 * high + 0.3 * half), 0.56 * half,
-                          0.12 * pitch * crests_.normal());
-                if (crests_.common_uniform() < 0.3) {
-                    // A bud on the neck.
+                                    (tall ? 1.0 : 0.74) * std::exp(0.14 * crests_.normal());
+                const double half = pitch * (0.46 + 0.035 * crests_.normal());
+                const double head = std::min(half, 0.3 + 0.5 * high);
+                add_clove(middle, std::max(high, 0.3), head, 0.66 * head,
+                          (lean + 0.1 * crests_.normal()) * pitch);
+                if (crests_.common_uniform() < 0.28) {
+                    // A bud on the shoulder.
                     const double side = crests_.common_uniform() < 0.5 ? -1.0 : 1.0;
-                    add_clove(middle + side * 0.42 * pitch, 0.55 * high, 0.5 * half, 0.4 * half,
-                              side * 0.1 * pitch);
+                    add_clove(middle + side * 0.3 * pitch, 0.7 * high, 0.55 * head, 0.45 * head,
+                              side * 0.14 * pitch);
                 }
                 s += pitch;
-                maybe_leg(s, line_.base_at(s) + 0.25 * high, 0.5);
+                maybe_leg(s, line_.base_at(s) + 0.3 * high, 0.5);
             }
-            const double gap = (1.0 + 3.2 * crests_.common_uniform()) * scale;
+            const double middle = 0.5 * (start + s);
+            HamonCrest swell;
+            swell.s = middle;
+            swell.foot_q = swell.head_q = line_.base_at(middle) - 1.0;
+            swell.head_half = swell.neck_half = 0.5 * (s - start) + 0.6 * scale;
+            swell.head_high = 1.0 + share(middle) * amplitude(1.5 * size * rise, middle);
+            line_.crests.push_back(swell);
+            const double gap = 1.6 * crests_.common_uniform() * scale;
             maybe_leg(s + 0.5 * gap, line_.base_at(s), 0.6);
             s += gap;
         }

@@ -14,7 +14,7 @@ struct Population {
     double cell_mm;
     float share;
 };
-constexpr std::array<Population, 2> populations{{{0.15, 0.6F}, {0.34, 0.4F}}};
+constexpr std::array<Population, 2> populations{{{0.1, 0.7F}, {0.21, 0.3F}}};
 constexpr float pi = 3.14159265F;
 
 }  // namespace
@@ -33,7 +33,7 @@ NieSample nie_grains(double s, double y, float amount, float footprint_s, float 
         const float blend = smooth_step(0.7F, 1.6F, std::max(footprint_s, footprint_y) / cell);
         const float mean = chance * mean_area;
         out.cover += blend * mean;
-        out.ln_mu += blend * mean * -0.15F;
+        out.ln_mu += blend * mean * -0.04F;
         if (blend >= 1.0F) continue;
         const double x = s / population.cell_mm;
         const double z = y / population.cell_mm;
@@ -58,13 +58,13 @@ NieSample nie_grains(double s, double y, float amount, float footprint_s, float 
                 const float part =
                     (1.0F - blend) * peak * std::exp(-0.5F * (dx * dx / sx2 + dz * dz / sz2));
                 out.cover += part;
-                // Each grain's own facets: most glint wide of the mirror direction, some near it.
-                out.ln_mu += part * (0.5F - 1.3F * unit_from_hash(h2 * 0x85EBCA77U));
+                // Each grain's own facets: some glint nearer the mirror direction.
+                out.ln_mu += part * (0.14F - 0.36F * unit_from_hash(h2 * 0x85EBCA77U));
             }
         }
     }
     out.cover = std::min(out.cover, 1.0F);
-    out.ln_mu = std::clamp(out.ln_mu, -1.0F, 0.6F);
+    out.ln_mu = std::clamp(out.ln_mu, -0.6F, 0.3F);
     return out;
 }
 

@@ -17,9 +17,9 @@ struct Nioiguchi {
     const float t = depth_mm / width_mm;
     Nioiguchi n;
     const float line = t < 0.0F ? 0.5F * std::exp(1.8F * t) : 1.0F - 0.5F * std::exp(-2.6F * t);
-    const float x = (t - 0.6F) / (t < 0.6F ? 0.8F : 1.5F);
+    const float x = (t - 0.6F) / (t < 0.6F ? 0.8F : 1.3F);
     const float core = std::exp(-x * x);
-    const float mist = t > 0.0F ? 0.35F * std::exp(-t / 7.0F) * (1.0F - std::exp(-3.0F * t)) : 0.0F;
+    const float mist = t > 0.0F ? 0.3F * std::exp(-t / 5.0F) * (1.0F - std::exp(-3.0F * t)) : 0.0F;
     n.glow = std::min(1.0F, std::max(core, mist));
     n.w = line * (ha_share + (1.0F - ha_share) * n.glow);
     if (n.w < 0.003F) n.w = 0.0F;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.hpp"
+#include "steel/line_distance.hpp"
 #include "steel/noise.hpp"
 
 namespace togishi {
@@ -12,8 +13,8 @@ namespace {
 // Heat spreads as a Gaussian of sigma = sqrt(2 a t): with steel's diffusivity a = 6 mm^2/s at 700
 // degrees and the tens of milliseconds in which a thin edge passes the critical temperatures, about
 // half a millimetre; less across, where the water takes it away.
-constexpr double spread_along_mm = 0.5;
-constexpr double spread_across_mm = 0.4;
+constexpr double spread_along_mm = 0.38;
+constexpr double spread_across_mm = 0.32;
 // Steel over the edge is thicker and cools more slowly: loss of ln(rate) per mm of height over the
 // calm line.
 constexpr double thicker_per_mm = 0.03;
@@ -51,7 +52,7 @@ QuenchedSide quench(const SteelOutline& outline, const SteelParameters& p, ClayM
         threads);
 
     QuenchedSide side;
-    side.depth_mm = clay.distance_mm;
+    side.depth_mm = distance_to_zero(rate, 4.0F);
     side.softness = clay.distance_mm;
     side.crest_q.assign(columns, 0.0);
     const auto per_mm = static_cast<float>(0.5 / rate.step());
@@ -69,15 +70,15 @@ QuenchedSide quench(const SteelOutline& outline, const SteelParameters& p, ClayM
                     const float along = after[j] - before[j];
                     const float slope = per_mm * std::sqrt(up * up + along * along);
                     const float gentle = std::max(slope, 0.4F * sharp);
-                    const float near = line[j] / gentle;
-                    // Far from the line the rate no longer tells the distance; the clay does.
-                    const float far = -depth[j];
-                    const float sign = line[j] > 0.0F ? 1.0F : -1.0F;
-                    const float limit =
-                        line[j] > 0.0F ? most : std::log(critical / ClayMap::thick_clay);
-                    const float away = smooth_step(0.55F, 0.95F, std::abs(line[j]) / limit);
-                    const float longest = sign * std::max(sign * near, sign * far);
-                    depth[j] = std::lerp(near, longest, away);
+                    // Within the ha the rate tells how nearly it failed to harden (ashi, yo); where
+                    // it is far above the critical one, and in the ji, the distance to the line
+                    // holds.
+                    if (line[j] > 0.0F) {
+                        const float near = line[j] / gentle;
+                        const float away = smooth_step(0.55F, 0.95F, line[j] / most);
+                        depth[j] = std::lerp(std::min(near, depth[j] + 0.2F),
+                                             std::max(near, depth[j]), away);
+                    }
                     soft[j] = std::clamp(sharp / std::max(slope, 1e-4F), 0.7F, 2.4F);
                 }
                 const double s = rate.s_of(i);

@@ -32,12 +32,12 @@ struct SteelParameters {
         7.0;  ///< turn-back along the mune, from the boshi's top; yakizume has none
     HadaStyle hada = HadaStyle::itame;
     double hada_scale = 1.0;        ///< size of the grain, relative to the style's own
-    double hada_strength = 0.5;     ///< 1: the roughness varies by about 12 % (standard deviation)
-    double hadori = 0.6;            ///< whiteness of the polisher's hadori; 0: sashikomi polish
-    double hadori_margin_mm = 0.6;  ///< outline above the hamon's crests
+    double hada_strength = 0.5;     ///< 1: the roughness varies by about 15 % (standard deviation)
+    double hadori = 0.4;            ///< whiteness of the polisher's hadori; 0: sashikomi polish
+    double hadori_margin_mm = 0.3;  ///< outline above the hamon's crests
     double hadori_smoothing_mm =
         4.5;  ///< how far along the blade the outline ignores the hamon's detail
-    double hadori_softness_mm = 2.2;  ///< fading towards the ji
+    double hadori_softness_mm = 3.5;  ///< fading towards the ji
     double stroke_wander_deg = 3.0;   ///< standard deviation of the polishing strokes' direction
     std::uint64_t seed = 1;
 };

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -19,8 +21,8 @@ namespace {
 
 constexpr double rad_per_deg = 0.017453292519943295;
 constexpr double largest_sample_mm = 0.35;  // coarser texels are averaged from samples of this size
-constexpr float hada_at_full_strength = 0.12F;
-constexpr float ha_share = 0.84F;  // the ha behind the line is not all martensite crystals
+constexpr float hada_at_full_strength = 0.15F;
+constexpr float ha_share = 0.8F;  // the ha behind the line is not all martensite crystals
 
 f32::Lobe encoded(const char* name, const SteelLobe& lobe) {
     const auto check = [&](const char* field, double x, bool ok, const char* allowed) {
@@ -46,7 +48,6 @@ f32::Lobe encoded(const char* name, const SteelLobe& lobe) {
 struct Side {
     QuenchedSide steel;
     Hadori hadori;
-    std::vector<double> utsuri_q;
 
     Side(const SteelOutline& outline, const SteelParameters& p, bool omote, unsigned threads)
         : steel(make(outline, p, omote, threads)), hadori(outline, p, steel, omote) {}
@@ -71,8 +72,7 @@ class Sampler {
         : frame_(frame),
           p_(p),
           outline_(frame),
-          omote_(outline_, p, true, threads),
-          ura_(outline_, p, false, threads),
+          sides_(make_sides(outline_, p, threads)),
           hada_(p.hada, p.hada_scale, p.seed),
           seed_(static_cast<std::uint32_t>(p.seed * 0x9E3779B1U)),
           ji_(encoded("ji", lobes.ji)),
@@ -125,7 +125,7 @@ class Sampler {
         set_ji(out, turned(*polish, turn));
         out[ji_ln] += strength * hada_share * hada.tone;
 
-        const Side& side = point.omote ? omote_ : ura_;
+        const Side& side = sides_[point.omote ? 0 : 1];
         const float edge_fade = static_cast<float>(
             smooth_step(0.0, 1.0, point.part == Part::other ? 0.0 : point.from_edge_mm));
         harden(out, side, s, q, x, y, footprint_x, footprint_y, hada, edge_fade, point.omote);
@@ -147,6 +147,20 @@ class Sampler {
     }
 
   private:
+    static std::vector<Side> make_sides(const SteelOutline& outline, const SteelParameters& p,
+                                        unsigned threads) {
+        std::array<std::optional<Side>, 2> made;
+        parallel_for(
+            2, 1,
+            [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i)
+                    made[i].emplace(outline, p, i == 0, threads);
+            },
+            threads);
+        std::vector<Side> sides;
+        for (auto& side : made) sides.push_back(std::move(*side));
+        return sides;
+    }
     static void set_ji(Sample& out, const f32::Lobe& lobe) {
         out[ji_ln] = lobe.ln_mu_deg;
         out[ji_e1] = lobe.e1;
@@ -183,8 +197,15 @@ class Sampler {
         ln_mu += hada_at_full_strength * static_cast<float>(p_.hada_strength) * 0.45F * edge_fade *
                  hada.tone;
         ln_mu += 0.05F * edge_fade * noise_2d(x / 7.0, y / 2.6, seed + 3).value;
-        ln_mu -= 0.75F * bright * line.glow;
-        float w = line.w;
+        // The line is finer than the material's ha, the ha behind it a little rougher.
+        ln_mu += bright * (0.16F - 0.56F * line.glow);
+        // Off the mirror direction roughness hardly shows (the lobe is at its widest there): the
+        // grain and the
+        // clouds within the ha are seen as more or less hardened steel.
+        const float cloud = 0.05F * noise_2d(x / 5.5, y / 1.9, seed + 8).value;
+        const float grain_tone = 0.09F * static_cast<float>(p_.hada_strength) * hada.tone;
+        float w = line.w * (1.0F - edge_fade * inside * (1.0F - line.glow) *
+                                       std::clamp(0.04F + cloud + grain_tone, -0.2F, 0.3F));
 
         if (p_.sunagashi > 0.0 && depth > 0.05F && edge_fade > 0.0F) {
             // Swept sand: bundles of lines along the grain, in patches behind the line.
@@ -197,28 +218,28 @@ class Sampler {
                 const float sand =
                     noise_1d(static_cast<double>(hada.layer) * 4.5 + y * 0.9, seed + 5) / 0.4F;
                 const float grain = footprint_fade(span * 9.0F) * std::exp(-sand * sand);
-                ln_mu -= 0.45F * amount * grain;
+                ln_mu -= 0.25F * amount * grain;
                 w *= 1.0F - 0.22F * amount * (1.0F - grain);
                 const float gold =
                     noise_1d(static_cast<double>(hada.layer) * 2.1 + 0.3 * y, seed + 6) / 0.09F;
                 const float thread = footprint_fade(span * 12.0F) * std::exp(-gold * gold);
-                ln_mu -= 0.7F * amount * thread;
+                ln_mu -= 0.4F * amount * thread;
                 w += (1.0F - w) * amount * thread;
             }
         }
         if (p_.nie > 0.0) {
             const float t =
                 (depth - 0.8F * width) / (depth < 0.8F * width ? 0.7F * width : 2.2F * width);
-            const float band = 0.3F * std::exp(-t * t);
+            const float band = 0.42F * std::exp(-t * t);
             const float within = 0.05F * inside * std::exp(-std::max(depth, 0.0F) / 2.5F);
-            const float outside = depth < 0.0F ? 0.03F * std::exp(depth / 1.2F) : 0.0F;
+            const float outside = depth < 0.0F ? 0.015F * std::exp(depth / 1.2F) : 0.0F;
             const float patch = 0.65F + 0.45F * noise_2d(x / 5.0, y / 1.8, seed + 7).value;
             const float amount =
                 nie * (band + within + outside) * std::clamp(patch, 0.1F, 1.8F) * edge_fade;
             if (amount > 0.002F) {
                 const NieSample grains =
                     nie_grains(x, y, std::min(amount, 0.5F), footprint_x, footprint_y, seed + 50U);
-                w += (1.0F - w) * grains.cover * (depth > 0.0F ? 1.0F : 0.75F);
+                w += (1.0F - w) * grains.cover * (depth > 0.0F ? 0.5F : 0.75F);
                 ln_mu += grains.ln_mu;
             }
         }
@@ -245,8 +266,7 @@ class Sampler {
     const BladeFrame& frame_;
     const SteelParameters& p_;
     SteelOutline outline_;
-    Side omote_;
-    Side ura_;
+    std::vector<Side> sides_;  // omote, ura
     Hada hada_;
     std::uint32_t seed_;
     f32::Lobe ji_;
