@@ -1,18 +1,18 @@
 // What the add-on uploads (addon/togishi/core/packing.py writes the same layouts, std140, vec4 only).
-// Positions are relative to the camera and along the world's axes, so that a blade a kilometre from the
-// origin is as sharp as one at the origin.
+// Everything is in view space: the viewer is the origin and looks along -z. The matrices are multiplied in
+// double precision before they come here, so a blade a kilometre from the origin is as sharp as one at the origin.
 
 struct TgFrame {
-    mat4 view_projection; // of camera-relative positions
-    vec4 view_axis;       // orthographic: unit vector to the viewer, 0; perspective: 0 0 0, 1
-    vec4 depth_row;       // depth along the view axis = dot(xyz, position) + w
-    vec4 world;           // rgb of the surroundings before its spectrum, row in the table
-    vec4 counts;          // points, spots, suns, level-of-detail bias
+    mat4 projection;
+    vec4 ray;    // a pixel's (x, y)/depth, for an orthographic view its (x, y): gl_FragCoord * ray.xy + ray.zw
+    vec4 view;   // x: 1 for an orthographic view, else 0
+    vec4 world;  // rgb of the surroundings before its spectrum, row in the table
+    vec4 counts; // points, spots, suns, level-of-detail bias
 };
 
-// Point and spot lamps first (points, then spots), then suns.
+// Points, then spots, then suns.
 struct TgLight {
-    vec4 place;  // camera-relative position; sun: unit vector to the light
+    vec4 place;  // position; sun: unit vector to the light
     vec4 colour; // rgb times W; sun: rgb times W/m^2. w: row in the table
 };
 
@@ -35,24 +35,23 @@ struct TgTable {
     vec4 rgb[TG_TABLE_SIZE * TG_TABLE_ROWS];
 };
 
-// Per part: the lobe (ln_mu_deg, e1, e2) and the measured weight, negative for the normalised one.
 struct TgSteel {
-    vec4 part[TG_PART_COUNT];      // lobe of the part where no map is
-    vec4 ji_of_part[TG_PART_COUNT]; // shape of the ji's lobe where a map has no shape image, and its chi
-    vec4 ha;
-    vec4 hadori;
+    vec4 part[TG_PART_COUNT];       // where no map is: ln_mu_deg, e1, e2, and the measured weight, negative for normalised
+    vec4 ji_of_part[TG_PART_COUNT]; // where a map is: unused, e1, e2 of the ji's lobe without a shape image, its chi
+    vec4 ha;                        // lobe, beta
+    vec4 hadori;                    // lobe, beta
     vec4 rough_part[2];             // 1 for parts whose lobe is a hamon (ha, boshi), eight of them
-    vec4 atlas;                     // 1/width, 1/height, number of levels, base level's larger side
+    vec4 atlas;                     // 1/width, 1/height, number of levels
     vec4 level[TG_MAX_LEVELS];      // x, y, width, height in texels
 };
 
 struct TgPlain {
     vec4 albedo; // rgb, index of refraction
-    vec4 gloss;  // ln_mu_deg, metallic, 0, 0
+    vec4 gloss;  // ln_mu_deg, metallic
 };
 
 // Only where the wavelength loop is measured against the table (TG_BENCH_61).
 struct TgWavelengths {
-    vec4 nk[TG_WAVELENGTHS];                         // n, k
-    vec4 rgb[TG_WAVELENGTHS * TG_WAVELENGTH_ROWS];   // light times observer in linear RGB, white-corrected
+    vec4 nk[TG_WAVELENGTHS];                       // n, k
+    vec4 rgb[TG_WAVELENGTHS * TG_WAVELENGTH_ROWS]; // light times observer in linear RGB, white-corrected
 };

@@ -7,12 +7,13 @@ struct Arriving {
 
 Arriving arriving_point(int index, vec3 position) {
     Arriving a;
-    TgLight light = lights.light[index];
-    vec3 to_light = light.place.xyz - position;
+    vec4 place = lights.light[index].place;
+    vec4 colour = lights.light[index].colour;
+    vec3 to_light = place.xyz - position;
     float distance_squared = max(dot(to_light, to_light), TG_MIN_DISTANCE_SQUARED);
     a.direction = to_light * inversesqrt(distance_squared);
-    a.colour = light.colour.xyz * (light_point_intensity(1.0) * light_distance_falloff(distance_squared));
-    a.row = int(light.colour.w);
+    a.colour = colour.xyz * (light_point_intensity(1.0) * light_distance_falloff(distance_squared));
+    a.row = int(colour.w);
     return a;
 }
 
@@ -30,10 +31,9 @@ Arriving arriving_spot(int index, int spot_index, vec3 position) {
 
 Arriving arriving_sun(int index) {
     Arriving a;
-    TgLight light = lights.light[index];
-    a.direction = light.place.xyz;
-    a.colour = light.colour.xyz;
-    a.row = int(light.colour.w);
+    a.direction = lights.light[index].place.xyz;
+    a.colour = lights.light[index].colour.xyz;
+    a.row = int(lights.light[index].colour.w);
     return a;
 }
 
@@ -48,14 +48,4 @@ vec3 table_rgb(int row, float cos_theta) {
 vec3 finite_output(vec3 c) {
     return vec3(c.x > 0.0 ? min(c.x, TG_OUTPUT_MAX) : 0.0, c.y > 0.0 ? min(c.y, TG_OUTPUT_MAX) : 0.0,
                 c.z > 0.0 ? min(c.z, TG_OUTPUT_MAX) : 0.0);
-}
-
-vec3 view_direction(vec3 position) {
-    vec3 v = frame.view_axis.xyz - position * frame.view_axis.w;
-    return v * inversesqrt(max(dot(v, v), 1.0e-30));
-}
-
-// A face seen from behind shows its other side.
-vec3 facing_normal(vec3 normal) {
-    return gl_FrontFacing == (object_state.x > 0.0) ? normal : -normal;
 }

@@ -7,8 +7,9 @@ vec3 light_rgb(int row) {
     return table.rgb[row * TG_TABLE_SIZE].xyz;
 }
 
-vec3 reflect_light(Arriving a, TangentFrame f, vec3 view, LobeForm form) {
-    LightGeometry g = light_geometry(f.normal, f.tangent, f.bitangent, view, a.direction);
+vec3 reflect_light(Arriving a, vec3 normal, vec3 view, LobeForm form) {
+    vec3 half_vector = half_vector_of(view, a.direction);
+    LightGeometry g = light_geometry_at(normal, view, a.direction, half_vector, facet_isotropic(half_vector, normal));
     float metallic = plain.gloss.y;
     vec3 albedo = plain.albedo.xyz;
     vec3 diffuse = albedo * (plain_diffuse(g) * (1.0 - metallic));
@@ -17,44 +18,22 @@ vec3 reflect_light(Arriving a, TangentFrame f, vec3 view, LobeForm form) {
     return a.colour * light_rgb(a.row) * (diffuse + gloss);
 }
 
+#define TG_REFLECT(arriving) reflect_light(arriving, normal, view, form)
+
 void main() {
-    vec3 view = view_direction(v_position);
-    // The gloss is isotropic: any tangent will do.
-    TangentFrame f = tangent_frame(facing_normal(v_normal), vec3(model_0.x, model_1.x, model_2.x));
+    vec3 place = v_position;
+    vec3 view = frame.view.x > 0.5 ? vec3(0.0, 0.0, 1.0) : normalize(-place);
+    // A face seen from behind shows its other side.
+    vec3 normal = normalize(v_normal) * (gl_FrontFacing == (object_state.x > 0.0) ? 1.0 : -1.0);
     LobeForm form = lobe_form_isotropic(plain.gloss.x);
     vec3 sum = vec3(0.0);
-    int first = 0;
-#ifdef TG_POINTS
-    int points = int(frame.counts.x);
-    for (int i = 0; i < points; ++i) {
-        sum += reflect_light(arriving_point(i, v_position), f, view, form);
-    }
-    first += points;
-#endif
-#ifdef TG_SPOTS
-    int spot_count = int(frame.counts.y);
-    for (int i = 0; i < spot_count; ++i) {
-        sum += reflect_light(arriving_spot(first + i, i, v_position), f, view, form);
-    }
-    first += spot_count;
-#endif
-#ifdef TG_SUNS
-    int suns = int(frame.counts.z);
-    for (int i = 0; i < suns; ++i) {
-        sum += reflect_light(arriving_sun(first + i), f, view, form);
-    }
-#endif
+#include "viewport/loop.glsl"
 #ifdef TG_WORLD
-    float cos_r = dot(f.normal, view);
+    float cos_r = dot(normal, view);
     if (cos_r > TG_MIN_COS) {
-        float metallic = plain.gloss.y;
-        vec3 share = plain.albedo.xyz + vec3(fresnel_conductor(plain.albedo.w, 0.0, cos_r) * (1.0 - metallic));
+        vec3 share = plain.albedo.xyz + vec3(fresnel_conductor(plain.albedo.w, 0.0, cos_r) * (1.0 - plain.gloss.y));
         sum += frame.world.xyz * light_rgb(int(frame.world.w)) * share;
     }
 #endif
     out_colour = vec4(finite_output(sum), 1.0);
-#ifdef TG_AUX
-    out_depth = dot(frame.depth_row.xyz, v_position) + frame.depth_row.w;
-    out_part = object_state.z < 0.0 ? floor(v_part + 0.5) : object_state.z;
-#endif
 }

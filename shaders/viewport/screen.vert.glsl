@@ -1,5 +1,5 @@
-// One triangle over the whole target.
+// A rectangle of the screen at the far end of the depth range: with the test GREATER it covers what was drawn.
+// Push constant rect: left, bottom, right, top in clip space.
 void main() {
-    v_uv = position * 0.5 + 0.5;
-    gl_Position = vec4(position, 0.0, 1.0);
+    gl_Position = vec4(mix(rect.xy, rect.zw, position), 1.0, 1.0);
 }

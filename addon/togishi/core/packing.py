@@ -36,55 +36,78 @@ PART_NAKAGO = 7
 
 
 @dataclass(frozen=True, eq=False)
-class RelativeCamera:
-    """A camera whose own place is the origin: what the programs work in."""
+class ViewSpace:
+    """A camera as the programs use it: everything is in its own space."""
 
-    position: F64  # (3,) in the world
-    view_projection: F64  # (4, 4) of camera-relative positions
-    view_axis: tuple[float, float, float, float]
-    depth_row: tuple[float, float, float, float]
+    view: F64  # (4, 4) world to view
+    projection: F64  # (4, 4), jitter included
+    ray: tuple[float, float, float, float]  # interface.glsl, TgFrame
+    orthographic: bool
 
 
-def relative_camera(
+def view_space(
     camera: Camera, size: tuple[int, int], jitter: tuple[float, float] = (0.0, 0.0)
-) -> RelativeCamera:
+) -> ViewSpace:
     """jitter: shift of the picture in pixels, for subpixel samples."""
-    to_world = np.linalg.inv(np.asarray(camera.view, np.float64))
-    rotation = np.eye(4)
-    rotation[:3, :3] = np.asarray(camera.view, np.float64)[:3, :3]
     projection = np.array(camera.projection, np.float64)
     projection[0] += projection[3] * (2.0 * jitter[0] / size[0])
     projection[1] += projection[3] * (2.0 * jitter[1] / size[1])
-    back = to_world[:3, 2] / max(float(np.linalg.norm(to_world[:3, 2])), 1e-30)
-    axis = (*back.tolist(), 0.0) if camera.orthographic else (0.0, 0.0, 0.0, 1.0)
-    z = camera.view[2]
-    return RelativeCamera(
-        position=to_world[:3, 3].copy(),
-        view_projection=projection @ rotation,
-        view_axis=(float(axis[0]), float(axis[1]), float(axis[2]), float(axis[3])),
-        depth_row=(-float(z[0]), -float(z[1]), -float(z[2]), 0.0),
+    scale, offset = [], []
+    for axis in (0, 1):
+        # clip = p[a][a] x + p[a][2] z + p[a][3] with x = ray depth, z = -depth, and ndc = clip/depth or clip.
+        shift = -projection[axis, 2] if not camera.orthographic else projection[axis, 3]
+        scale.append(float(2.0 / (size[axis] * projection[axis, axis])))
+        offset.append(float((-1.0 - shift) / projection[axis, axis]))
+    return ViewSpace(
+        view=np.asarray(camera.view, np.float64),
+        projection=projection,
+        ray=(scale[0], scale[1], offset[0], offset[1]),
+        orthographic=camera.orthographic,
     )
 
 
 def frame_block(
-    camera: RelativeCamera, world_rgb: Sequence[float], world_row: int, counts: LightCounts, lod_bias: float
+    camera: ViewSpace,
+    world_rgb: Sequence[float],
+    world_row: int,
+    counts: LightCounts,
+    lod_bias: float,
 ) -> F32:
     """TgFrame."""
     block = np.zeros((8, 4), np.float32)
-    block[0:4] = camera.view_projection.T  # columns
-    block[4] = camera.view_axis
-    block[5] = camera.depth_row
+    block[0:4] = camera.projection.T  # columns
+    block[4] = camera.ray
+    block[5, 0] = float(camera.orthographic)
     block[6] = (*world_rgb, world_row)
     block[7] = (counts.points, counts.spots, counts.suns, lod_bias)
     return block
 
 
-def model_rows(matrix: F64, camera_position: F64) -> tuple[F32, float]:
-    """(3, 4) rows of object to camera-relative world, and -1 where the matrix mirrors, else 1."""
-    rows = np.array(matrix[:3], np.float64)
-    rows[:, 3] -= camera_position
-    mirrored = float(np.linalg.det(rows[:, :3])) < 0.0
-    return rows.astype(np.float32), -1.0 if mirrored else 1.0
+def model_rows(matrix: F64, camera: ViewSpace) -> tuple[list[list[float]], float]:
+    """Three rows of object to view space, and -1 where the object's matrix mirrors, else 1."""
+    rows = camera.view @ matrix
+    mirrored = float(np.linalg.det(rows[:3, :3])) < 0.0
+    return rows[:3].tolist(), -1.0 if mirrored else 1.0
+
+
+def screen_rect(
+    bounds: Sequence[tuple[F32, F32, F64]], camera: ViewSpace
+) -> tuple[float, float, float, float] | None:
+    """Left, bottom, right, top in clip space that hold boxes (low, high, matrix); None: nothing in sight."""
+    left, bottom, right, top = 1.0, 1.0, -1.0, -1.0
+    for low, high, matrix in bounds:
+        corners = np.array(
+            [(x, y, z, 1.0) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+        )
+        clip = corners @ (camera.projection @ camera.view @ matrix).T
+        if (clip[:, 3] <= 1e-6 * np.abs(clip).max()).any():
+            return (-1.0, -1.0, 1.0, 1.0)  # through the viewer's plane
+        x, y = clip[:, 0] / clip[:, 3], clip[:, 1] / clip[:, 3]
+        left, right = min(left, float(x.min())), max(right, float(x.max()))
+        bottom, top = min(bottom, float(y.min())), max(top, float(y.max()))
+    # A pixel and more to each side: rounding must not cut an edge.
+    rect = (max(left - 0.01, -1.0), max(bottom - 0.01, -1.0), min(right + 0.01, 1.0), min(top + 0.01, 1.0))
+    return rect if rect[0] < rect[2] and rect[1] < rect[3] else None
 
 
 # --- lights -------------------------------------------------------------------------------------
@@ -151,30 +174,31 @@ def light_variant(passes: Sequence[LightPass], world: World) -> LightVariant:
     )
 
 
-def lights_block(light_pass: LightPass, camera_position: F64) -> F32:
+def lights_block(light_pass: LightPass, camera: ViewSpace) -> F32:
     """TgLights."""
     block = np.zeros((LIGHT_CAPACITY, 2, 4), np.float32)
     for i, light in enumerate(light_pass.lights):
         if light.kind is LightKind.SUN:
-            place = np.asarray(light.to_light, np.float64)
+            place = camera.view[:3, :3] @ np.asarray(light.to_light, np.float64)
             place = place / max(float(np.linalg.norm(place)), 1e-30)
         else:
-            place = np.asarray(light.position, np.float64) - camera_position
+            place = camera.view[:3] @ np.asarray((*light.position, 1.0), np.float64)
         block[i, 0, :3] = place
         block[i, 1, :3] = np.minimum(np.asarray(light.colour, np.float64) * light.power, 1.0e30)
         block[i, 1, 3] = light_pass.spectra.index(light.spectrum)
     return block
 
 
-def spots_block(light_pass: LightPass) -> F32:
+def spots_block(light_pass: LightPass, camera: ViewSpace) -> F32:
     """TgSpots."""
     block = np.zeros((LIGHT_CAPACITY, 3, 4), np.float32)
     spots = [light for light in light_pass.lights if light.kind is LightKind.SPOT]
     for i, light in enumerate(spots):
-        block[i, 0] = (*light.x_axis, light.blend)
-        block[i, 1] = (*light.y_axis, math.cos(0.5 * light.cone_rad))
+        axes = camera.view[:3, :3] @ np.array([light.x_axis, light.y_axis, light.z_axis]).T
+        block[i, 0] = (*axes[:, 0], light.blend)
+        block[i, 1] = (*axes[:, 1], math.cos(0.5 * light.cone_rad))
         # in_lamp.z of the shader is the cosine to the way the lamp shines, which is -z.
-        block[i, 2, :3] = -np.asarray(light.z_axis)
+        block[i, 2, :3] = -axes[:, 2]
     return block
 
 
@@ -196,7 +220,7 @@ def steel_block(material: SteelMaterial) -> F32:
     if material.maps is not None:
         height, width = material.maps.lobes.shape[:2]
         levels = material.maps.levels[:MAX_LEVELS]
-        block[20] = (1.0 / width, 1.0 / height, len(levels), max(levels[0, 2:]))
+        block[20, :3] = (1.0 / width, 1.0 / height, len(levels))
         block[21 : 21 + len(levels)] = levels
     return block
 

@@ -71,6 +71,10 @@ class LightVariant:
         return _flags(self)
 
 
+# What the first half of polished steel can leave for the second, in the framebuffer's order.
+STEEL_TARGETS = ("surface", "map", "turn", "shape")
+
+
 @dataclass(frozen=True)
 class SteelVariant:
     """What a blade's material and mesh have. Code of the rest is left out."""
@@ -80,7 +84,6 @@ class SteelVariant:
     hadori: bool = False
     anisotropic: bool = False
     tangent: bool = False
-    bench_61: bool = False
 
     def defines(self) -> dict[str, str]:
         flags = _flags(self)
@@ -92,6 +95,19 @@ class SteelVariant:
             flags.pop("TG_SHAPE", None)
             flags.pop("TG_TANGENT", None)
         return flags
+
+    @property
+    def targets(self) -> tuple[tuple[str, str, str], ...]:
+        """(texture format, GLSL type, name) of what the first half leaves for the second."""
+        flags = self.defines()
+        targets = [("RGBA32F", "VEC4", "surface")]
+        if "TG_MAPS" in flags:
+            targets.append(("RGBA32F", "VEC4", "map"))
+        if "TG_ANISOTROPIC" in flags:
+            targets.append(("RG32F", "VEC2", "turn"))
+        if "TG_SHAPE" in flags:
+            targets.append(("RGBA32F", "VEC4", "shape"))
+        return tuple(targets)
 
 
 def _flags(variant: object) -> dict[str, str]:
@@ -112,7 +128,7 @@ class ProgramSource:
     varyings: tuple[tuple[str, str, str], ...] = ()  # "smooth" or "flat", type, name
     blocks: tuple[tuple[str, str], ...] = ()  # struct, name
     samplers: tuple[tuple[str, str], ...] = ()  # type, name
-    outputs: tuple[tuple[str, str], ...] = ()  # type, name
+    outputs: tuple[tuple[str, str], ...] = ()  # type, name; empty where a target is not written
     push_constants: tuple[tuple[str, str], ...] = ()
 
 
@@ -142,124 +158,205 @@ def _typedefs() -> str:
     return re.sub(r"//[^\n]*", "", text)
 
 
-def _surface(
+def _program(
     name: str,
+    vertex: str,
     fragment: str,
     defines: dict[str, str],
     blocks: tuple[tuple[str, str], ...],
     outputs: tuple[tuple[str, str], ...],
-    output_max: float,
+    *,
+    attributes: tuple[tuple[str, str], ...] = (),
+    varyings: tuple[tuple[str, str, str], ...] = (),
+    samplers: tuple[tuple[str, str], ...] = (),
+    push_constants: tuple[tuple[str, str], ...] = (),
 ) -> ProgramSource:
-    flags = dict(defines)
-    attributes = [("VEC3", "position"), ("VEC4", "normal_part")]
-    varyings = [("smooth", "VEC3", "v_position"), ("smooth", "VEC3", "v_normal")]
-    samplers: list[tuple[str, str]] = []
-    if "TG_TANGENT" in flags:
-        attributes.append(("VEC3", "tangent"))
-        varyings.append(("smooth", "VEC3", "v_tangent"))
-    if "TG_MAPS" in flags:
-        flags["TG_UV"] = ""
-        attributes.append(("VEC2", "uv"))
-        varyings.append(("smooth", "VEC2", "v_uv"))
-        samplers.append(("FLOAT_2D", "lobes_atlas"))
-        if "TG_SHAPE" in flags:
-            samplers.append(("FLOAT_2D", "shape_atlas"))
-    if "TG_MAPS" in flags or "TG_AUX" in flags or "TG_GBUFFER" in flags:
-        flags["TG_PART"] = ""
-        varyings.append(("flat", "FLOAT", "v_part"))
-    if "TG_ONE_LOBE" in flags:
-        varyings.append(("flat", "VEC4", "v_form"))
-        varyings.append(("flat", "VEC2", "v_weight"))
-    all_blocks = [("TgFrame", "frame"), ("TgLights", "lights")]
-    if "TG_SPOTS" in flags:
-        all_blocks.append(("TgSpots", "spots"))
-    all_blocks += [("TgTable", "table"), *blocks]
-    flags.update(_SIZES)
-    flags["TG_FN"] = ""
-    flags["TG_OUTPUT_MAX"] = repr(float(output_max))
     return ProgramSource(
         name=name,
-        vertex=resolve("viewport/surface.vert.glsl"),
+        vertex=resolve(vertex),
         fragment=resolve(fragment),
         typedefs=_typedefs(),
-        defines=tuple(sorted(flags.items())),
+        defines=tuple(sorted({**defines, **_SIZES, "TG_FN": ""}.items())),
+        attributes=attributes,
+        varyings=varyings,
+        blocks=blocks,
+        samplers=samplers,
+        outputs=outputs,
+        push_constants=push_constants,
+    )
+
+
+def _light_blocks(lights: LightVariant) -> tuple[tuple[str, str], ...]:
+    blocks = [("TgLights", "lights"), ("TgTable", "table")]
+    if lights.spots:
+        blocks.append(("TgSpots", "spots"))
+    return tuple(blocks)
+
+
+@cache
+def steel_surface_program(
+    steel: SteelVariant, layout: tuple[str, ...] = STEEL_TARGETS
+) -> ProgramSource:
+    """First half of polished steel: which steel each pixel shows. layout: the framebuffer's targets."""
+    written = {name: kind for _format, kind, name in steel.targets}
+    defines = {**steel.defines(), "TG_NORMAL": "", "TG_PART": ""}
+    attributes = [("VEC3", "position"), ("VEC4", "normal_part")]
+    varyings = [
+        ("smooth", "FLOAT", "v_position"),
+        ("smooth", "VEC3", "v_normal"),
+        ("flat", "FLOAT", "v_part"),
+    ]
+    samplers: list[tuple[str, str]] = []
+    blocks = [("TgFrame", "frame")]
+    if "TG_TANGENT" in defines:
+        attributes.append(("VEC3", "tangent"))
+        varyings.append(("smooth", "VEC3", "v_tangent"))
+    if "TG_MAPS" in defines:
+        defines["TG_UV"] = ""
+        attributes.append(("VEC2", "uv"))
+        varyings.append(("smooth", "VEC2", "v_uv"))
+        blocks.append(("TgSteel", "steel"))
+        samplers.append(("FLOAT_2D", "lobes_atlas"))
+        if "TG_SHAPE" in defines:
+            samplers.append(("FLOAT_2D", "shape_atlas"))
+    return _program(
+        "togishi_steel_surface",
+        "viewport/surface.vert.glsl",
+        "viewport/steel_surface.frag.glsl",
+        defines,
+        tuple(blocks),
+        tuple((written[n], f"out_{n}") if n in written else ("", "") for n in layout),
         attributes=tuple(attributes),
         varyings=tuple(varyings),
-        blocks=tuple(all_blocks),
         samplers=tuple(samplers),
-        outputs=outputs,
         push_constants=_OBJECT_PUSH,
     )
 
 
-def _outputs(aux: bool) -> tuple[tuple[str, str], ...]:
-    colour = (("VEC4", "out_colour"),)
-    return (*colour, ("FLOAT", "out_depth"), ("FLOAT", "out_part")) if aux else colour
+_SCREEN_PUSH = (("VEC4", "rect"), ("VEC4", "object_state"))
 
 
-@cache
-def steel_program(
-    lights: LightVariant, steel: SteelVariant, *, aux: bool = False, output_max: float = HALF_MAX
+def _buffers(steel: SteelVariant) -> tuple[tuple[str, str], ...]:
+    return tuple(("FLOAT_2D", f"{name}_buffer") for _format, _kind, name in steel.targets)
+
+
+def _steel_screen(
+    name: str,
+    fragment: str,
+    defines: dict[str, str],
+    blocks: tuple[tuple[str, str], ...],
+    steel: SteelVariant,
+    outputs: tuple[tuple[str, str], ...],
 ) -> ProgramSource:
-    """Polished steel. aux: depth and part id go to two further targets."""
-    defines = {**lights.defines(), **steel.defines()}
-    blocks: tuple[tuple[str, str], ...] = (("TgSteel", "steel"),)
-    if aux:
-        defines["TG_AUX"] = ""
-    if steel.bench_61:
-        blocks = (*blocks, ("TgWavelengths", "wavelengths"))
-    return _surface(
-        "togishi_steel", "viewport/steel.frag.glsl", defines, blocks, _outputs(aux), output_max
+    return _program(
+        name,
+        "viewport/screen.vert.glsl",
+        fragment,
+        defines,
+        (("TgFrame", "frame"), ("TgSteel", "steel"), *blocks),
+        outputs,
+        attributes=(("VEC2", "position"),),
+        samplers=_buffers(steel),
+        push_constants=_SCREEN_PUSH,
     )
 
 
 @cache
-def plain_program(
-    lights: LightVariant, *, aux: bool = False, output_max: float = HALF_MAX
+def steel_light_program(
+    lights: LightVariant,
+    steel: SteelVariant,
+    *,
+    many: bool = False,
+    output_max: float = HALF_MAX,
+    bench_61: bool = False,
 ) -> ProgramSource:
+    """Second half of polished steel: each pixel under the lamps. many: other steels are in the picture."""
+    defines = {**lights.defines(), **steel.defines(), "TG_OUTPUT_MAX": repr(float(output_max))}
+    defines.pop("TG_TANGENT", None)  # the first half has turned it into an angle
+    blocks = _light_blocks(lights)
+    if many:
+        defines["TG_MANY"] = ""
+    if bench_61:
+        defines["TG_BENCH_61"] = ""
+        blocks = (*blocks, ("TgWavelengths", "wavelengths"))
+    return _steel_screen(
+        "togishi_steel_light",
+        "viewport/steel_light.frag.glsl",
+        defines,
+        blocks,
+        steel,
+        (("VEC4", "out_colour"),),
+    )
+
+
+INPUT_TARGETS = ("normal", "tangent", "view", "position", "ji", "ha", "hadori")
+
+
+@cache
+def steel_inputs_program(steel: SteelVariant, *, many: bool = False) -> ProgramSource:
+    """The model's inputs as the second half gets them, one RGBA target each (INPUT_TARGETS)."""
+    defines = steel.defines()
+    if many:
+        defines["TG_MANY"] = ""
+    return _steel_screen(
+        "togishi_steel_inputs",
+        "viewport/steel_inputs.frag.glsl",
+        defines,
+        (),
+        steel,
+        tuple(("VEC4", f"out_{name}") for name in INPUT_TARGETS),
+    )
+
+
+@cache
+def plain_program(lights: LightVariant, *, output_max: float = HALF_MAX) -> ProgramSource:
     """Everything that is not polished steel."""
-    defines = lights.defines()
-    if aux:
-        defines["TG_AUX"] = ""
-    return _surface(
+    defines = {
+        **lights.defines(),
+        "TG_OUTPUT_MAX": repr(float(output_max)),
+        "TG_NORMAL": "",
+        "TG_POSITION": "",
+    }
+    return _program(
         "togishi_plain",
+        "viewport/surface.vert.glsl",
         "viewport/plain.frag.glsl",
         defines,
-        (("TgPlain", "plain"),),
-        _outputs(aux),
-        output_max,
+        (("TgFrame", "frame"), ("TgPlain", "plain"), *_light_blocks(lights)),
+        (("VEC4", "out_colour"),),
+        attributes=(("VEC3", "position"), ("VEC4", "normal_part")),
+        varyings=(("smooth", "VEC3", "v_position"), ("smooth", "VEC3", "v_normal")),
+        push_constants=_OBJECT_PUSH,
     )
 
 
-GBUFFER_TARGETS = ("normal", "tangent", "view", "position", "ji", "ha")
-
-
 @cache
-def gbuffer_program(steel: SteelVariant) -> ProgramSource:
-    """The GPU's own interpolated inputs of the model, one RGBA target each (GBUFFER_TARGETS)."""
-    defines = {**steel.defines(), "TG_GBUFFER": ""}
-    # The lobe comes from the block here, not from the vertex program.
-    defines.pop("TG_ONE_LOBE", None)
-    return _surface(
-        "togishi_gbuffer",
-        "viewport/gbuffer.frag.glsl",
-        defines,
-        (("TgSteel", "steel"),),
-        tuple(("VEC4", f"out_{name}") for name in GBUFFER_TARGETS),
-        FLOAT_MAX,
+def aux_program() -> ProgramSource:
+    """Depth and part id of every surface."""
+    return _program(
+        "togishi_aux",
+        "viewport/surface.vert.glsl",
+        "viewport/aux.frag.glsl",
+        {"TG_PART": ""},
+        (("TgFrame", "frame"),),
+        (("FLOAT", "out_depth"), ("FLOAT", "out_part")),
+        attributes=(("VEC3", "position"), ("VEC4", "normal_part")),
+        varyings=(("smooth", "FLOAT", "v_position"), ("flat", "FLOAT", "v_part")),
+        push_constants=_OBJECT_PUSH,
     )
 
 
 @cache
 def copy_program() -> ProgramSource:
     """Puts a picture, scaled, onto the bound target."""
-    return ProgramSource(
-        name="togishi_copy",
-        vertex=resolve("viewport/screen.vert.glsl"),
-        fragment=resolve("viewport/copy.frag.glsl"),
+    return _program(
+        "togishi_copy",
+        "viewport/screen.vert.glsl",
+        "viewport/copy.frag.glsl",
+        {},
+        (),
+        (("VEC4", "out_colour"),),
         attributes=(("VEC2", "position"),),
-        varyings=(("smooth", "VEC2", "v_uv"),),
         samplers=(("FLOAT_2D", "picture"),),
-        outputs=(("VEC4", "out_colour"),),
-        push_constants=(("VEC4", "origin"),),
+        push_constants=(("VEC4", "rect"), ("VEC4", "origin")),
     )

@@ -22,16 +22,18 @@ def build(source: ProgramSource) -> GPUShader:
         info.typedef_source(source.typedefs)
     for slot, (kind, name) in enumerate(source.attributes):
         info.vertex_in(slot, kind, name)
-    stages = GPUStageInterfaceInfo(f"{source.name}_io")
-    for interpolation, kind, name in source.varyings:
-        getattr(stages, interpolation)(kind, name)
-    info.vertex_out(stages)
+    if source.varyings:
+        stages = GPUStageInterfaceInfo(f"{source.name}_io")
+        for interpolation, kind, name in source.varyings:
+            getattr(stages, interpolation)(kind, name)
+        info.vertex_out(stages)
     for slot, (kind, name) in enumerate(source.blocks):
         info.uniform_buf(slot, kind, name)
     for slot, (kind, name) in enumerate(source.samplers):
         info.sampler(slot, kind, name)
     for slot, (kind, name) in enumerate(source.outputs):
-        info.fragment_out(slot, kind, name)
+        if name:
+            info.fragment_out(slot, kind, name)
     for kind, name in source.push_constants:
         info.push_constant(kind, name)
     info.vertex_source(source.vertex)
@@ -64,6 +66,10 @@ class Block:
         else:
             self._buffer.update(self._content)
         return self._content.nbytes
+
+    @property
+    def made(self) -> bool:
+        return self._buffer is not None
 
     @property
     def buffer(self) -> GPUUniformBuf:

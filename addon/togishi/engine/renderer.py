@@ -22,7 +22,7 @@ from gpu.types import (
 )
 
 from ..core import packing, shader_source
-from ..core.packing import LightPass, RelativeCamera
+from ..core.packing import LightPass, ViewSpace
 from ..core.scene_data import (
     BladeMaterial,
     Camera,
@@ -69,8 +69,6 @@ class Picture:
     size: tuple[int, int]
     colour: GPUTexture  # scene-linear, premultiplied alpha
     framebuffer: GPUFrameBuffer
-    depth: GPUTexture | None = None  # R32F, along the view axis
-    part: GPUTexture | None = None  # R32F, part id
 
     def read(self) -> np.ndarray:
         """(height, width, 4), rows from the bottom; waits for the GPU."""
@@ -78,17 +76,31 @@ class Picture:
 
 
 @dataclass
-class Target:
-    """A framebuffer and its textures."""
+class AuxPicture:
+    """Depth and part id at the pixels' centres."""
 
-    colour: tuple[GPUTexture, ...]
-    depth: GPUTexture | None
+    size: tuple[int, int]
+    depth: GPUTexture  # R32F, along the view axis; FAR_DEPTH where nothing is
+    part: GPUTexture  # R32F, part id; 0 for what is no blade
     framebuffer: GPUFrameBuffer
+
+
+@dataclass
+class _Targets:
+    """All textures of one size: the picture, and what the two halves of the steel share."""
+
+    colour: GPUTexture
+    depth: GPUTexture
+    picture: GPUFrameBuffer
+    buffers: dict[str, GPUTexture]
+    surface: GPUFrameBuffer | None
 
 
 @dataclass
 class _GpuMesh:
     data: MeshData
+    low: np.ndarray
+    high: np.ndarray
     batches: dict[tuple[int, bool], GPUBatch] = field(default_factory=dict)
 
 
@@ -98,35 +110,52 @@ class _GpuMaps:
     shape: GPUTexture | None
 
 
-@dataclass(frozen=True)
-class _Item:
-    """One draw call of one pass."""
-
-    program: ProgramSource
-    batch: GPUBatch
+@dataclass(frozen=True, eq=False)
+class _SteelItem:
     instance: Instance
-    material_key: str
-    material: SteelMaterial | PlainMaterial
-    part: float  # part id to write, or -1 for the mesh's own
+    mesh: _GpuMesh
+    batch: GPUBatch
+    program: ProgramSource  # first half
+
+
+@dataclass(frozen=True, eq=False)
+class _Steel:
+    """One steel of the picture: a material on meshes with the same attributes."""
+
+    number: int
+    key: str
+    material: SteelMaterial
+    variant: SteelVariant
+    program: ProgramSource  # second half
+    items: tuple[_SteelItem, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _PlainItem:
+    instance: Instance
+    batch: GPUBatch
+    key: str
+    material: PlainMaterial
 
 
 @dataclass(frozen=True)
-class Gbuffer:
-    """What the GPU interpolated, float32, rows from the bottom. Positions are relative to `camera`."""
+class Inputs:
+    """What the GPU's second half computes from, float32, rows from the bottom. View space: the viewer is the
+    origin, looks along -z. Azimuths of the lobes are from `tangent`, as everywhere."""
 
-    covered: np.ndarray  # (H, W) bool
+    covered: np.ndarray  # (H, W) bool: polished steel
     normal: np.ndarray  # (H, W, 3) unit
     tangent: np.ndarray  # (H, W, 3) unit, perpendicular to the normal
     view: np.ndarray  # (H, W, 3) unit, to the viewer
-    position: np.ndarray  # (H, W, 3) relative to the camera, world axes
+    position: np.ndarray  # (H, W, 3)
     lobe_ji: np.ndarray  # (H, W, 3) encoded
+    lobe_hadori: np.ndarray  # (H, W, 3) encoded
     lobe_ha: np.ndarray  # (H, W, 3) encoded
     w: np.ndarray  # (H, W)
     h: np.ndarray  # (H, W)
     part: np.ndarray  # (H, W) int
-    depth: np.ndarray  # (H, W) along the view axis
-    instance: np.ndarray  # (H, W) int, index in SceneData.instances
-    camera: np.ndarray  # (3,) float64, the camera's place in the world
+    steel: np.ndarray  # (H, W) int: index in `materials`
+    materials: tuple[str, ...]  # keys in SceneData.materials
 
 
 def read_texture(texture: GPUTexture) -> np.ndarray:
@@ -137,7 +166,7 @@ def read_texture(texture: GPUTexture) -> np.ndarray:
     return np.array(buffer, np.float32).reshape(texture.height, texture.width, channels)
 
 
-def steel_variant(material: SteelMaterial, mesh: MeshData, *, bench_61: bool = False) -> SteelVariant:
+def steel_variant(material: SteelMaterial, mesh: MeshData) -> SteelVariant:
     """What a blade needs: maps only where mesh and material have them, and so on."""
     maps = material.maps if mesh.uv is not None else None
     anisotropic = material.anisotropic
@@ -147,7 +176,6 @@ def steel_variant(material: SteelMaterial, mesh: MeshData, *, bench_61: bool = F
         hadori=maps is not None and maps.hadori,
         anisotropic=anisotropic,
         tangent=anisotropic and mesh.tangent is not None,
-        bench_61=bench_61,
     )
 
 
@@ -162,13 +190,15 @@ class Renderer:
         self._meshes: dict[str, _GpuMesh] = {}
         self._maps: dict[int, tuple[MapData, _GpuMaps]] = {}
         self._blocks: dict[tuple[object, ...], Block] = {}
-        self._targets: dict[tuple[object, ...], Target] = {}
-        self._quad: GPUBatch | None = None
-        self._items: list[_Item] = []
-        self._items_of: tuple[object, ...] = ()
+        self._targets: dict[tuple[object, ...], _Targets] = {}
+        self._rect: GPUBatch | None = None
+        self._steels: list[_Steel] = []
+        self._plains: list[_PlainItem] = []
+        self._plain_program: ProgramSource | None = None
         self._passes: list[LightPass] = []
+        self._prepared: tuple[object, ...] = ()
 
-    # --- the picture ----------------------------------------------------------------------------
+    # --- pictures -------------------------------------------------------------------------------
 
     def draw(
         self,
@@ -184,109 +214,115 @@ class Renderer:
         """Colour (half float, or float32) of one sample per pixel. Leaves the GPU state as it found it.
 
         lod_bias: added to the level of maps; -log2(samples)/2 where samples are gathered.
+
+        Polished steel is drawn in two halves: its triangles leave normal, depth and lobes, then every pixel
+        is lit once. Triangles of a scanned blade are smaller than the blocks of pixels that GPUs shade, and
+        lighting them directly computes a pixel up to five times.
         """
         output_max = shader_source.FLOAT_MAX if float32 else shader_source.HALF_MAX
-        self._prepare(scene, bench_61, False, output_max)
-        relative = packing.relative_camera(camera, size, jitter)
-        target = self._target(size, ("RGBA32F",) if float32 else ("RGBA16F",))
+        self._prepare(scene, output_max, bench_61)
+        space = packing.view_space(camera, size, jitter)
+        targets = self._targets_of(size, "RGBA32F" if float32 else "RGBA16F")
         background = self._background(scene, output_max)
-        with target.framebuffer.bind(), _DrawState():
-            target.framebuffer.clear(color=background, depth=1.0)
-            for index, light_pass in enumerate(self._passes):
-                first = index == 0
-                gpu.state.blend_set("NONE" if first else "ADDITIVE")
-                gpu.state.depth_test_set("LESS_EQUAL" if first else "EQUAL")
-                gpu.state.depth_mask_set(first)
-                self._draw_pass(scene, relative, light_pass, index, lod_bias)
+        with _DrawState():
+            with targets.picture.bind():
+                targets.picture.clear(color=background, depth=1.0)
+            self._set_frame(scene, space, 0, lod_bias)
+            if self._steels and targets.surface is not None:
+                with targets.surface.bind():
+                    self._draw_surfaces(space)
+            with targets.picture.bind():
+                for index in range(len(self._passes)):
+                    if index:
+                        self._set_frame(scene, space, index, lod_bias)
+                    self._set_lights(space, index)
+                    self._light_steels(scene, space, targets, index)
+                for index in range(len(self._passes) if self._plains else 0):
+                    if len(self._passes) > 1:
+                        self._set_frame(scene, space, index, lod_bias)
+                    self._draw_plains(scene, space, index)
         self.counters.pictures += 1
-        return Picture(size, target.colour[0], target.framebuffer)
+        return Picture(size, targets.colour, targets.picture)
 
-    def draw_aux(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> Picture:
-        """Depth and part id at the pixels' centres. The picture's colour is not lit."""
-        unlit = SceneData(
-            meshes=scene.meshes,
-            instances=scene.instances,
-            materials=scene.materials,
-            colour=scene.colour,
-            transparent=True,
-        )
-        self._prepare(unlit, False, True, shader_source.HALF_MAX)
-        relative = packing.relative_camera(camera, size)
-        target = self._target(size, ("RGBA16F", "R32F", "R32F"))
-        with target.framebuffer.bind(), _DrawState():
-            target.framebuffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
-            target.colour[1].clear(format="FLOAT", value=(FAR_DEPTH,))
-            gpu.state.blend_set("NONE")
-            gpu.state.depth_test_set("LESS_EQUAL")
-            gpu.state.depth_mask_set(True)
-            self._draw_pass(unlit, relative, self._passes[0], 0, 0.0)
-        return Picture(size, target.colour[0], target.framebuffer, target.colour[1], target.colour[2])
-
-    def gbuffer(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> Gbuffer:
-        """The model's inputs as the GPU interpolates them, of the scene's blades (only)."""
+    def draw_aux(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> AuxPicture:
+        """Depth and part id at the pixels' centres."""
         self._upload(scene)
-        relative = packing.relative_camera(camera, size)
-        target = self._target(size, ("RGBA32F",) * len(shader_source.GBUFFER_TARGETS))
-        counts = packing.LightCounts()
-        frame = self._block("frame", 0)
-        self._set(frame, packing.frame_block(relative, (0.0, 0.0, 0.0), 0, counts, 0.0))
-        with target.framebuffer.bind(), _DrawState():
-            target.framebuffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
-            gpu.state.blend_set("NONE")
-            gpu.state.depth_test_set("LESS_EQUAL")
-            gpu.state.depth_mask_set(True)
-            for number, instance in enumerate(scene.instances):
+        space = packing.view_space(camera, size)
+        depth, part = GPUTexture(size, format="R32F"), GPUTexture(size, format="R32F")
+        test = GPUTexture(size, format="DEPTH_COMPONENT32F")
+        framebuffer = GPUFrameBuffer(color_slots=[depth, part], depth_slot=test)
+        block = self._block("frame", "aux")
+        self._set(block, packing.frame_block(space, (0.0, 0.0, 0.0), 0, packing.LightCounts(), 0.0))
+        shader = self._shader(shader_source.aux_program())
+        with framebuffer.bind(), _DrawState():
+            framebuffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
+            depth.clear(format="FLOAT", value=(FAR_DEPTH,))
+            _solid_state()
+            shader.bind()
+            shader.uniform_block("frame", block.buffer)
+            for instance in scene.instances:
                 mesh = self._meshes[instance.mesh]
                 for group in mesh.data.groups:
-                    key = instance.materials[min(group.slot, len(instance.materials) - 1)]
-                    material = scene.materials[key]
-                    if not isinstance(material, BladeMaterial) or group.nakago:
-                        continue
-                    variant = steel_variant(material.steel, mesh.data)
-                    source = shader_source.gbuffer_program(variant)
-                    shader = self._shader(source)
-                    shader.bind()
-                    shader.uniform_block("frame", frame.buffer)
-                    self._bind_material(shader, key, material.steel, source.samplers)
-                    self._push_object(shader, instance, relative, float(number), -1.0)
+                    blade = isinstance(_material(scene, instance, group.slot)[1], BladeMaterial)
+                    self._push_object(shader, instance, space, 0, -1.0 if blade else 0.0)
                     mesh.batches[group.slot, group.nakago].draw(shader)
-        read = {
-            name: read_texture(texture)
-            for name, texture in zip(shader_source.GBUFFER_TARGETS, target.colour, strict=True)
-        }
-        return Gbuffer(
+        return AuxPicture(size, depth, part, framebuffer)
+
+    def inputs(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> Inputs:
+        """What each pixel of polished steel is computed from. For accuracy tests."""
+        self._prepare(scene, shader_source.FLOAT_MAX, False)
+        space = packing.view_space(camera, size)
+        targets = self._targets_of(size, "RGBA32F")
+        names = shader_source.INPUT_TARGETS
+        textures = [GPUTexture(size, format="RGBA32F") for _ in names]
+        framebuffer = GPUFrameBuffer(color_slots=textures, depth_slot=targets.depth)
+        self._set_frame(scene, space, 0, 0.0)
+        with _DrawState():
+            with framebuffer.bind():
+                framebuffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
+            if self._steels and targets.surface is not None:
+                with targets.surface.bind():
+                    self._draw_surfaces(space)
+                with framebuffer.bind():
+                    for steel in self._steels:
+                        source = shader_source.steel_inputs_program(
+                            steel.variant, many=len(self._steels) > 1
+                        )
+                        self._bind_screen(source, steel, targets, (-1.0, -1.0, 1.0, 1.0))
+                        self._rectangle().draw(self._shader(source))
+        read = dict(zip(names, (read_texture(texture) for texture in textures), strict=True))
+        return Inputs(
             covered=read["normal"][..., 3] > 0.5,
             normal=read["normal"][..., :3],
             tangent=read["tangent"][..., :3],
             view=read["view"][..., :3],
             position=read["position"][..., :3],
             lobe_ji=read["ji"][..., :3],
+            lobe_hadori=read["hadori"][..., :3],
             lobe_ha=read["ha"][..., :3],
             w=read["ji"][..., 3],
-            h=read["ha"][..., 3],
+            h=read["position"][..., 3],
             part=np.rint(read["tangent"][..., 3]).astype(np.int32),
-            depth=read["view"][..., 3],
-            instance=np.rint(read["position"][..., 3]).astype(np.int32),
-            camera=relative.position,
+            steel=np.rint(read["view"][..., 3]).astype(np.int32),
+            materials=tuple(steel.key for steel in self._steels),
         )
 
     def copy(
-        self, picture: GPUTexture, scale: float = 1.0, origin: tuple[int, int] = (0, 0), blend: str = "NONE"
+        self,
+        picture: GPUTexture,
+        scale: float = 1.0,
+        origin: tuple[int, int] = (0, 0),
+        blend: str = "NONE",
     ) -> None:
-        """Put a picture, times `scale`, onto the bound framebuffer with its corner at `origin`."""
+        """Put a picture, times `scale`, onto the bound framebuffer with its corner at `origin` (px)."""
         shader = self._shader(shader_source.copy_program())
-        if self._quad is None:
-            layout = GPUVertFormat()
-            layout.attr_add(id="position", comp_type="F32", len=2, fetch_mode="FLOAT")
-            vertices = GPUVertBuf(layout, 3)
-            vertices.attr_fill("position", np.asarray([(-1, -1), (3, -1), (-1, 3)], np.float32))
-            self._quad = GPUBatch(type="TRIS", buf=vertices)
         gpu.state.blend_set(blend)
         gpu.state.depth_test_set("NONE")
         shader.bind()
         shader.uniform_sampler("picture", picture)
+        shader.uniform_float("rect", (-1.0, -1.0, 1.0, 1.0))
         shader.uniform_float("origin", (float(origin[0]), float(origin[1]), 0.0, scale))
-        self._quad.draw(shader)
+        self._rectangle().draw(shader)
         gpu.state.blend_set("NONE")
 
     @property
@@ -308,96 +344,139 @@ class Renderer:
         )
         return (red, green, blue, 1.0)
 
-    def _draw_pass(
-        self,
-        scene: SceneData,
-        camera: RelativeCamera,
-        light_pass: LightPass,
-        index: int,
-        lod_bias: float,
-    ) -> None:
+    def _set_frame(self, scene: SceneData, space: ViewSpace, index: int, lod_bias: float) -> None:
+        """The block "frame" for one pass of lamps; the world belongs to the first."""
         world = scene.world.radiance if index == 0 else (0.0, 0.0, 0.0)
-        frame = self._block("frame", index)
-        self._set(frame, packing.frame_block(camera, world, 0, light_pass.counts, lod_bias))
-        lights, spots = self._block("lights", index), self._block("spots", index)
-        self._set(lights, packing.lights_block(light_pass, camera.position))
-        if light_pass.counts.spots or spots.tag is None:
-            self._set(spots, packing.spots_block(light_pass))
-            spots.tag = True
+        counts = self._passes[index].counts
+        self._set(self._block("frame"), packing.frame_block(space, world, 0, counts, lod_bias))
+
+    def _set_lights(self, space: ViewSpace, index: int) -> None:
+        light_pass = self._passes[index]
+        self._set(self._block("lights", index), packing.lights_block(light_pass, space))
+        spots = self._block("spots", index)
+        if light_pass.counts.spots or not spots.made:
+            self._set(spots, packing.spots_block(light_pass, space))
         self.counters.light_passes += 1
+
+    def _bind_lights(self, shader: GPUShader, source: ProgramSource, index: int) -> None:
+        names = {name for _struct, name in source.blocks}
+        shader.uniform_block("frame", self._block("frame").buffer)
+        shader.uniform_block("lights", self._block("lights", index).buffer)
+        if "spots" in names:
+            shader.uniform_block("spots", self._block("spots", index).buffer)
+        if "wavelengths" in names:
+            shader.uniform_block("wavelengths", self._wavelengths_block().buffer)
+
+    def _draw_surfaces(self, space: ViewSpace) -> None:
+        _solid_state()
         bound: ProgramSource | None = None
-        material_key = table_of = None
-        shader: GPUShader | None = None
-        for item in self._items:
-            if item.program is not bound:
-                bound, material_key, table_of = item.program, None, None
+        for steel in self._steels:
+            for item in steel.items:
                 shader = self._shader(item.program)
-                shader.bind()
-                shader.uniform_block("frame", frame.buffer)
-                shader.uniform_block("lights", lights.buffer)
-                if ("TgSpots", "spots") in item.program.blocks:
-                    shader.uniform_block("spots", spots.buffer)
-                if ("TgWavelengths", "wavelengths") in item.program.blocks:
-                    shader.uniform_block("wavelengths", self._wavelengths_block().buffer)
-            assert shader is not None
-            metal = item.material.metal if isinstance(item.material, SteelMaterial) else ""
-            if table_of != metal:
-                table_of = metal
-                shader.uniform_block("table", self._table(metal, light_pass, scene, index).buffer)
-            if material_key != item.material_key:
-                material_key = item.material_key
-                self._bind_material(
-                    shader, item.material_key, item.material, item.program.samplers
-                )
-            self._push_object(shader, item.instance, camera, 0.0, item.part)
+                if item.program is not bound:
+                    bound = item.program
+                    shader.bind()
+                    shader.uniform_block("frame", self._block("frame").buffer)
+                if ("TgSteel", "steel") in item.program.blocks:
+                    shader.uniform_block("steel", self._steel_block(steel).buffer)
+                maps = steel.material.maps
+                if item.program.samplers and maps is not None:
+                    textures = self._maps[id(maps)][1]
+                    shader.uniform_sampler("lobes_atlas", textures.lobes)
+                    if steel.variant.shape and textures.shape is not None:
+                        shader.uniform_sampler("shape_atlas", textures.shape)
+                self._push_object(shader, item.instance, space, steel.number, -1.0)
+                item.batch.draw(shader)
+                self.counters.draw_calls += 1
+
+    def _light_steels(
+        self, scene: SceneData, space: ViewSpace, targets: _Targets, index: int
+    ) -> None:
+        # The rectangle lies at the far end, so this test passes where steel is.
+        gpu.state.depth_test_set("GREATER")
+        gpu.state.depth_mask_set(False)
+        gpu.state.blend_set("NONE" if index == 0 else "ADDITIVE")
+        for steel in self._steels:
+            bounds = [(item.mesh.low, item.mesh.high, item.instance.matrix) for item in steel.items]
+            rect = packing.screen_rect(bounds, space)
+            if rect is None:
+                continue
+            shader = self._bind_screen(steel.program, steel, targets, rect)
+            self._bind_lights(shader, steel.program, index)
+            table = self._table(steel.material.metal, scene, index)
+            shader.uniform_block("table", table.buffer)
+            self._rectangle().draw(shader)
+            self.counters.draw_calls += 1
+
+    def _bind_screen(
+        self,
+        source: ProgramSource,
+        steel: _Steel,
+        targets: _Targets,
+        rect: tuple[float, float, float, float],
+    ) -> GPUShader:
+        shader = self._shader(source)
+        shader.bind()
+        shader.uniform_block("frame", self._block("frame").buffer)
+        shader.uniform_block("steel", self._steel_block(steel).buffer)
+        for _kind, name in source.samplers:
+            shader.uniform_sampler(name, targets.buffers[name.removesuffix("_buffer")])
+        shader.uniform_float("rect", rect)
+        if ("TG_MANY", "") in source.defines or source.name == "togishi_steel_inputs":
+            shader.uniform_float("object_state", (1.0, float(steel.number), -1.0, 0.0))
+        return shader
+
+    def _draw_plains(self, scene: SceneData, space: ViewSpace, index: int) -> None:
+        source = self._plain_program
+        assert source is not None
+        gpu.state.depth_test_set("LESS_EQUAL" if index == 0 else "EQUAL")
+        gpu.state.depth_mask_set(index == 0)
+        gpu.state.blend_set("NONE" if index == 0 else "ADDITIVE")
+        shader = self._shader(source)
+        shader.bind()
+        self._bind_lights(shader, source, index)
+        shader.uniform_block("table", self._table("", scene, index).buffer)
+        bound: PlainMaterial | None = None
+        for item in self._plains:
+            if item.material is not bound:
+                bound = item.material
+                block = self._block("plain", item.key)
+                if block.tag != item.material:
+                    self._set(block, packing.plain_block(item.material))
+                    block.tag = item.material
+                shader.uniform_block("plain", block.buffer)
+            self._push_object(shader, item.instance, space, 0, -1.0)
             item.batch.draw(shader)
             self.counters.draw_calls += 1
 
     def _push_object(
-        self, shader: GPUShader, instance: Instance, camera: RelativeCamera, number: float, part: float
+        self, shader: GPUShader, instance: Instance, space: ViewSpace, number: int, part: float
     ) -> None:
-        rows, mirror = packing.model_rows(instance.matrix, camera.position)
-        for row in range(3):
-            shader.uniform_float(_ROWS[row], rows[row].tolist())
+        rows, mirror = packing.model_rows(instance.matrix, space)
+        for name, row in zip(_ROWS, rows, strict=True):
+            shader.uniform_float(name, row)
         try:
-            shader.uniform_float("object_state", (mirror, number, part, 0.0))
+            shader.uniform_float("object_state", (mirror, float(number), part, 0.0))
         except ValueError:
-            # A program without light needs no normal, and the compiler has removed what nobody reads.
-            if self._passes[0].lights:
+            # Without light and world nobody reads it, and the compiler has removed it.
+            if any(light_pass.lights for light_pass in self._passes):
                 raise
 
-    def _bind_material(
-        self,
-        shader: GPUShader,
-        key: str,
-        material: SteelMaterial | PlainMaterial,
-        samplers: tuple[tuple[str, str], ...],
-    ) -> None:
-        if isinstance(material, PlainMaterial):
-            block = self._block("plain", key)
-            if block.tag is not material:
-                self._set(block, packing.plain_block(material))
-                block.tag = material
-            shader.uniform_block("plain", block.buffer)
-            return
-        block = self._block("steel", key)
-        if block.tag is not material:
-            self._set(block, packing.steel_block(material))
-            block.tag = material
-        shader.uniform_block("steel", block.buffer)
-        if material.maps is not None:
-            maps = self._maps[id(material.maps)][1]
-            if ("FLOAT_2D", "lobes_atlas") in samplers:
-                shader.uniform_sampler("lobes_atlas", maps.lobes)
-            if ("FLOAT_2D", "shape_atlas") in samplers and maps.shape is not None:
-                shader.uniform_sampler("shape_atlas", maps.shape)
+    def _steel_block(self, steel: _Steel) -> Block:
+        block = self._block("steel", steel.key)
+        if block.tag is not steel.material:
+            self._set(block, packing.steel_block(steel.material))
+            block.tag = steel.material
+        return block
 
-    def _table(self, metal: str, light_pass: LightPass, scene: SceneData, index: int) -> Block:
+    def _table(self, metal: str, scene: SceneData, index: int) -> Block:
         block = self._block("table", index, metal)
-        tag = (light_pass.spectra, scene.colour)
+        spectra = self._passes[index].spectra
+        tag = (spectra, scene.colour)
         if block.tag != tag:
-            rows = self.tables.rows(metal, light_pass.spectra, scene.colour)
-            self._set(block, packing.table_block(rows))
+            self._set(
+                block, packing.table_block(self.tables.rows(metal, spectra, scene.colour))
+            )
             block.tag = tag
         return block
 
@@ -407,54 +486,55 @@ class Renderer:
         self._set(block, self.wavelengths)
         return block
 
+    def _rectangle(self) -> GPUBatch:
+        if self._rect is None:
+            layout = GPUVertFormat()
+            layout.attr_add(id="position", comp_type="F32", len=2, fetch_mode="FLOAT")
+            vertices = GPUVertBuf(layout, 4)
+            vertices.attr_fill("position", np.asarray([(0, 0), (1, 0), (0, 1), (1, 1)], np.float32))
+            self._rect = GPUBatch(type="TRI_STRIP", buf=vertices)
+        return self._rect
+
     # --- what a scene needs on the GPU ----------------------------------------------------------
 
-    def _prepare(self, scene: SceneData, bench_61: bool, aux: bool, output_max: float) -> None:
-        """Upload what is new and make the list of draw calls, unless this very scene was drawn last."""
-        of = (scene, bench_61, aux, output_max)
-        if self._items_of and self._items_of[0] is scene and self._items_of[1:] == of[1:]:
+    def _prepare(self, scene: SceneData, output_max: float, bench_61: bool) -> None:
+        """Upload what is new and list what is drawn, unless this very scene was drawn last."""
+        prepared = (scene, output_max, bench_61)
+        if self._prepared == prepared:
             return
         self._upload(scene)
         self._passes = packing.light_passes(scene.lights, scene.world)
         lights = packing.light_variant(self._passes, scene.world)
-        items: list[_Item] = []
-        sources: dict[object, ProgramSource] = {}
+        self._plain_program = shader_source.plain_program(lights, output_max=output_max)
+        groups: dict[tuple[str, SteelVariant], list[tuple[Instance, _GpuMesh, GPUBatch]]] = {}
+        self._plains = []
         for instance in scene.instances:
             mesh = self._meshes[instance.mesh]
             for group in mesh.data.groups:
-                key = instance.materials[min(group.slot, len(instance.materials) - 1)]
-                material = scene.materials[key]
+                key, material = _material(scene, instance, group.slot)
                 batch = mesh.batches[group.slot, group.nakago]
-                if isinstance(material, BladeMaterial) and not group.nakago:
-                    variant = steel_variant(material.steel, mesh.data, bench_61=bench_61)
-                    source = sources.get(variant)
-                    if source is None:
-                        source = sources[variant] = self._steel_source(
-                            lights, variant, aux, output_max
-                        )
-                    items.append(_Item(source, batch, instance, key, material.steel, -1.0))
+                if isinstance(material, PlainMaterial):
+                    self._plains.append(_PlainItem(instance, batch, key, material))
+                elif group.nakago:
+                    nakago = _PlainItem(instance, batch, f"{key}/nakago", material.nakago)
+                    self._plains.append(nakago)
                 else:
-                    nakago = isinstance(material, BladeMaterial)
-                    plain = material.nakago if isinstance(material, BladeMaterial) else material
-                    source = sources.get("plain")
-                    if source is None:
-                        source = sources["plain"] = shader_source.plain_program(
-                            lights, aux=aux, output_max=output_max
-                        )
-                    part = -1.0 if nakago else 0.0
-                    plain_key = f"{key}/nakago" if nakago else key
-                    items.append(_Item(source, batch, instance, plain_key, plain, part))
-        # One program, then one material after the other; blades last, so that stands in front of them
-        # have filled the depth buffer.
-        items.sort(key=lambda item: (item.program.name != "togishi_plain", id(item.program), item.material_key))
-        self._items = items
-        self._items_of = of
-
-    @staticmethod
-    def _steel_source(
-        lights: LightVariant, variant: SteelVariant, aux: bool, output_max: float
-    ) -> ProgramSource:
-        return shader_source.steel_program(lights, variant, aux=aux, output_max=output_max)
+                    variant = steel_variant(material.steel, mesh.data)
+                    groups.setdefault((key, variant), []).append((instance, mesh, batch))
+        self._plains.sort(key=lambda item: item.key)
+        self._steels = []
+        used = {name for _key, variant in groups for _format, _kind, name in variant.targets}
+        layout = tuple(name for name in shader_source.STEEL_TARGETS if name in used)
+        for number, ((key, variant), drawn) in enumerate(groups.items()):
+            first = shader_source.steel_surface_program(variant, layout)
+            items = tuple(_SteelItem(*item, first) for item in drawn)
+            blade = scene.materials[key]
+            assert isinstance(blade, BladeMaterial)
+            second = shader_source.steel_light_program(
+                lights, variant, many=len(groups) > 1, output_max=output_max, bench_61=bench_61
+            )
+            self._steels.append(_Steel(number, key, blade.steel, variant, second, items))
+        self._prepared = prepared
 
     def _upload(self, scene: SceneData) -> None:
         for key, mesh in scene.meshes.items():
@@ -471,13 +551,13 @@ class Renderer:
             used.add(id(maps))
             if id(maps) not in self._maps:
                 self._maps[id(maps)] = (maps, self._gpu_maps(maps))
-        for key in [key for key in self._maps if key not in used]:
-            del self._maps[key]
+        for unused in [key for key in self._maps if key not in used]:
+            del self._maps[unused]
 
     def _gpu_mesh(self, mesh: MeshData) -> _GpuMesh:
-        gpu_mesh = _GpuMesh(mesh)
         if not len(mesh.position):
-            return gpu_mesh
+            return _GpuMesh(mesh, np.zeros(3, np.float32), np.zeros(3, np.float32))
+        gpu_mesh = _GpuMesh(mesh, mesh.position.min(axis=0), mesh.position.max(axis=0))
         layout = GPUVertFormat()
         arrays = {"position": mesh.position, "normal_part": mesh.normal_part}
         if mesh.uv is not None:
@@ -524,20 +604,45 @@ class Renderer:
             self.counters.block_uploads += 1
             self.counters.block_bytes += count
 
-    def _target(self, size: tuple[int, int], formats: tuple[str, ...]) -> Target:
-        key = (size, formats)
-        target = self._targets.get(key)
-        if target is None:
+    def _targets_of(self, size: tuple[int, int], colour_format: str) -> _Targets:
+        wanted = {
+            name: texture_format
+            for steel in self._steels
+            for texture_format, _kind, name in steel.variant.targets
+        }
+        layout = tuple((n, wanted[n]) for n in shader_source.STEEL_TARGETS if n in wanted)
+        key = (size, colour_format, layout)
+        targets = self._targets.get(key)
+        if targets is None:
             # A resized viewport would otherwise keep every size it ever had.
-            for old in [k for k in self._targets if k[1] == formats]:
+            for old in [k for k in self._targets if k[1] == colour_format]:
                 del self._targets[old]
-            colour = tuple(GPUTexture(size, format=name) for name in formats)
+            colour = GPUTexture(size, format=colour_format)
             depth = GPUTexture(size, format="DEPTH_COMPONENT32F")
-            target = Target(
-                colour, depth, GPUFrameBuffer(color_slots=list(colour), depth_slot=depth)
+            buffers = {name: GPUTexture(size, format=kind) for name, kind in layout}
+            targets = self._targets[key] = _Targets(
+                colour=colour,
+                depth=depth,
+                picture=GPUFrameBuffer(color_slots=[colour], depth_slot=depth),
+                buffers=buffers,
+                surface=GPUFrameBuffer(color_slots=list(buffers.values()), depth_slot=depth)
+                if buffers
+                else None,
             )
-            self._targets[key] = target
-        return target
+        return targets
+
+
+def _material(
+    scene: SceneData, instance: Instance, slot: int
+) -> tuple[str, BladeMaterial | PlainMaterial]:
+    key = instance.materials[min(slot, len(instance.materials) - 1)]
+    return key, scene.materials[key]
+
+
+def _solid_state() -> None:
+    gpu.state.blend_set("NONE")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.depth_mask_set(True)
 
 
 class _DrawState:

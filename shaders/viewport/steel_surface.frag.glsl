@@ -1,0 +1,39 @@
+// First half of polished steel: which steel a pixel shows. The second half (steel_light) then runs once for each pixel,
+// whereas this one runs several times where triangles are smaller than the blocks that GPUs shade.
+//   out_surface  folded normal (2), depth, number: +-(8 material + part + 1), negative where the object is mirrored
+//   out_map      ln_mu of the ji and of the ha, w, h             (TG_MAPS)
+//   out_turn     cosine and sine of twice the tangent's angle    (TG_ANISOTROPIC)
+//   out_shape    e1, e2 of the ji and of the ha                  (TG_SHAPE)
+#include "shared/model.glsl"
+#ifdef TG_MAPS
+#include "viewport/atlas.glsl"
+#endif
+
+void main() {
+    // A face seen from behind shows its other side.
+    vec3 normal = v_normal * (gl_FrontFacing == (object_state.x > 0.0) ? 1.0 : -1.0);
+    vec2 folded = fold_normal(normalize(normal));
+    float part = clamp(floor(v_part + 0.5), 0.0, float(TG_PART_COUNT - 1));
+    out_surface = vec4(folded, -v_position, object_state.x * (8.0 * object_state.y + part + 1.0));
+#ifdef TG_MAPS
+    vec2 at = atlas_coordinate(v_uv);
+    out_map = texture(lobes_atlas, at);
+#ifdef TG_SHAPE
+    out_shape = texture(shape_atlas, at);
+#endif
+#endif
+#ifdef TG_ANISOTROPIC
+#ifdef TG_TANGENT
+    vec3 along = v_tangent;
+#else
+    // No tangents on the mesh: the object's own x axis, which is a generated blade's length.
+    vec3 along = vec3(model_0.x, model_1.x, model_2.x);
+#endif
+    TangentFrame smooth_axes = smooth_frame(unfold_normal(folded));
+    TangentFrame axes = tangent_frame(smooth_axes.normal, along);
+    float c = dot(axes.tangent, smooth_axes.tangent);
+    float s = dot(axes.tangent, smooth_axes.bitangent);
+    float unit = 1.0 / max(c * c + s * s, 1.0e-12);
+    out_turn = vec2((c * c - s * s) * unit, 2.0 * c * s * unit);
+#endif
+}
