@@ -11,8 +11,6 @@ namespace togishi {
 namespace {
 
 constexpr double sample_step_mm = 0.2;
-// Stretch spent on turning the sides in the chart, at the edge and at the ridge.
-constexpr double skew_stretch = 0.009;
 
 // The stretch that an arc length of the mune line falls in, and its q there.
 std::pair<Stretch, double> find(const KatanaShape& shape, double arc) {
@@ -31,8 +29,12 @@ std::pair<Stretch, double> find(const KatanaShape& shape, double arc) {
 struct Metric {
     double shear = 0;  // mean over the side of P_arc . P_t: what turns a line of constant t against
                        // the surface
-    /// At several points: t beyond the mune (-1 on it), |P_arc| less its part along P_t.
-    std::vector<std::pair<double, double>> beyond_and_length;
+    struct Point {
+        double beyond;  // t beyond the mune, -1 on it
+        double length;  // |P_arc| less its part along P_t
+        double shear;
+    };
+    std::vector<Point> points;
     double mune_slope = 0;  // change of the mune's developed half width along the arc
     double half_width = 0;
 };
@@ -70,7 +72,7 @@ Metric metric_at(const KatanaShape& shape, double arc) {
             const double beyond =
                 side ? t_start + KatanaShape::developed_mm(row.section, strip, mune, f) - mune_width
                      : -1;
-            m.beyond_and_length.emplace_back(beyond, glm::length(p_arc - pt * shear));
+            m.points.push_back({beyond, glm::length(p_arc - pt * shear), shear});
             if (strip != Strip::mune_top && strip != Strip::mune_side && strip != Strip::foot) {
                 shear_sum += shear * width;
                 weight += width;
@@ -108,6 +110,78 @@ std::vector<double> limit_slope(const std::vector<double>& target,
     }
     for (std::size_t i = 0; i < n; ++i) upper[i] = 0.5 * (upper[i] + lower[i]);
     return upper;
+}
+
+// Running mean over 3 mm: turns kinks into bends, which a map follows.
+std::vector<double> smooth(const std::vector<double>& values) {
+    constexpr int half = 7;
+    const auto n = static_cast<std::ptrdiff_t>(values.size());
+    std::vector<double> result(values.size());
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+        double sum = 0;
+        for (std::ptrdiff_t j = i - half; j <= i + half; ++j) {
+            sum += values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(j, 0, n - 1))];
+        }
+        result[static_cast<std::size_t>(i)] = sum / (2 * half + 1);
+    }
+    return result;
+}
+
+// One way to lay the surface out.
+struct Development {
+    std::vector<double> skew;  // between samples
+    std::vector<double> s_mm;  // at samples, from 0
+    double worst = 1e9;        // largest |singular value - 1| from machi to tip
+};
+
+// share: how much of the shear is turned away; spent: the stretch along the edge that turning may
+// cost.
+Development develop(const std::vector<Metric>& metric, const std::vector<double>& arc_mm,
+                    double share, double spent) {
+    const std::size_t n = arc_mm.size();
+    std::vector<double> target(n - 1);
+    std::vector<double> limit(n - 1);
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+        target[i] = -share * metric[i].shear;
+        limit[i] = spent * (arc_mm[i + 1] - arc_mm[i]) / std::max(metric[i].half_width, 0.5);
+    }
+    Development d;
+    d.skew = smooth(smooth(limit_slope(target, limit)));
+    d.s_mm.assign(n, 0);
+    d.worst = 0;
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+        const double step = arc_mm[i + 1] - arc_mm[i];
+        const double skew = d.skew[i];
+        const double before = i > 0 ? 0.5 * (d.skew[i - 1] + skew) : skew;
+        const double after = i + 2 < n ? 0.5 * (skew + d.skew[i + 1]) : skew;
+        const double slope = (after - before) / step;
+        // The ds that keeps lengths at a point; the middle of the range is taken.
+        auto fits = [&](const Metric::Point& p) {
+            if (p.beyond < 0) return p.length;
+            return p.length + slope * p.beyond - skew * (p.shear + metric[i].mune_slope);
+        };
+        double least = 1e9;
+        double most = 0;
+        for (const Metric::Point& p : metric[i].points) {
+            least = std::min(least, fits(p));
+            most = std::max(most, fits(p));
+        }
+        const double ds = 0.5 * (least + most);
+        d.s_mm[i + 1] = d.s_mm[i] + step * ds;
+        if (arc_mm[i] < 0) continue;
+        for (const Metric::Point& p : metric[i].points) {
+            // Derivatives of (x, t) along two unit vectors of the surface at right angles.
+            const double x1 = 1 + (ds - fits(p)) / p.length;
+            const double x2 = p.beyond < 0 ? 0 : -skew;
+            const double t1 = -p.shear / p.length;
+            const double sum = x1 * x1 + x2 * x2 + t1 * t1 + 1;
+            const double determinant = x1 - x2 * t1;
+            const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
+            d.worst = std::max({d.worst, std::sqrt(0.5 * (sum + root)) - 1,
+                                1 - std::sqrt(std::max(0.0, 0.5 * (sum - root)))});
+        }
+    }
+    return d;
 }
 
 }  // namespace
@@ -148,36 +222,25 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
     const double nakago_first = shape.range(Stretch::nakago)[0] + 1e-6;
     const double nakago_last = shape.range(Stretch::nakago)[1] - 1e-6;
     std::vector<Metric> metric(n - 1);
-    std::vector<double> target(n - 1);
-    std::vector<double> limit(n - 1);
     parallel_for(n - 1, 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             double arc = 0.5 * (sample_arc_mm_[i] + sample_arc_mm_[i + 1]);
             if (arc < 0) arc = std::clamp(arc, nakago_first, nakago_last);
             metric[i] = metric_at(shape, arc);
-            target[i] = arc < 0 ? 0 : -metric[i].shear;
-            limit[i] = skew_stretch * sample_step_mm / std::max(metric[i].half_width, 0.5);
+            if (arc < 0) metric[i].shear = 0;
         }
     });
-    const std::vector<double> skew = limit_slope(target, limit);
-
-    std::vector<double> s(n);
-    for (std::size_t i = 0; i + 1 < n; ++i) {
-        const double step = sample_arc_mm_[i + 1] - sample_arc_mm_[i];
-        const double before_skew = i > 0 ? 0.5 * (skew[i - 1] + skew[i]) : skew[i];
-        const double after_skew = i + 2 < n ? 0.5 * (skew[i] + skew[i + 1]) : skew[i];
-        const double slope = (after_skew - before_skew) / step;
-        double least = 1e9;
-        double most = 0;
-        for (const auto& [beyond, length] : metric[i].beyond_and_length) {
-            const double fits = beyond < 0 ? length
-                                           : length + slope * beyond -
-                                                 skew[i] * (metric[i].shear + metric[i].mune_slope);
-            least = std::min(least, fits);
-            most = std::max(most, fits);
+    // How far and how fast to turn the sides: by whichever stretches the chart least at its worst
+    // place.
+    Development best;
+    for (const double share : {0.5, 0.7, 0.85, 1.0}) {
+        for (const double spent : {0.003, 0.005, 0.007, 0.009, 0.012, 0.016, 0.022}) {
+            Development tried = develop(metric, sample_arc_mm_, share, spent);
+            if (tried.worst < best.worst) best = std::move(tried);
         }
-        s[i + 1] = s[i] + step * 0.5 * (least + most);
     }
+    const std::vector<double>& skew = best.skew;
+    std::vector<double>& s = best.s_mm;
     const double machi = s[before];
     for (double& value : s) value -= machi;
     sample_s_mm_ = s;
@@ -187,6 +250,10 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
         shape.has_yokote() ? s_mm(shape.range(Stretch::kissaki)[0]) : frame_.nagasa_mm;
 
     const auto samples = static_cast<std::size_t>(frame_.length_mm() / sample_step_mm) + 2;
+    std::vector<double> middles(skew.size());
+    for (std::size_t i = 0; i < middles.size(); ++i) {
+        middles[i] = 0.5 * (sample_arc_mm_[i] + sample_arc_mm_[i + 1]);
+    }
     double highest = 0;
     for (std::size_t i = 0; i < samples; ++i) {
         const double here = -frame_.nakago_mm + frame_.length_mm() * static_cast<double>(i) /
@@ -198,11 +265,12 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
         frame_.shinogi_mm.push_back(r.shinogi_mm);
         frame_.mune_mm.push_back(r.mune_mm);
         frame_.suguha_mm.push_back(r.suguha_mm);
-        const auto k = std::clamp<std::ptrdiff_t>(
-            std::upper_bound(sample_arc_mm_.begin(), sample_arc_mm_.end(), arc) -
-                sample_arc_mm_.begin() - 1,
-            0, static_cast<std::ptrdiff_t>(skew.size()) - 1);
-        frame_.skew.push_back(skew[static_cast<std::size_t>(k)]);
+        // Between the middles of the steps that the skew was found for.
+        const auto cell = static_cast<std::size_t>(
+            std::upper_bound(middles.begin() + 1, middles.end() - 1, arc) - middles.begin());
+        const double share =
+            std::clamp((arc - middles[cell - 1]) / (middles[cell] - middles[cell - 1]), 0.0, 1.0);
+        frame_.skew.push_back(skew[cell - 1] + (skew[cell] - skew[cell - 1]) * share);
         highest = std::max(highest, r.edge_mm);
     }
     // Some room beyond the edge lines, so that a map can be padded there.

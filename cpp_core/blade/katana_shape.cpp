@@ -29,7 +29,7 @@ Dual conic(const Dual& x, double start, double slope, double reach, double weigh
 
 // From 0 to 1 on [0, 1]: its slope rises smoothly from 0 over the first part, then stays.
 Dual eased_fall(const Dual& x) {
-    constexpr double rise = 0.6;
+    constexpr double rise = 0.45;
     constexpr double slope = 1 / (1 - 0.5 * rise);
     if (x.v >= rise) return Dual(slope) * (x - Dual(0.5 * rise));
     const Dual z = x / Dual(rise);
