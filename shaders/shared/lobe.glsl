@@ -197,8 +197,6 @@ TG_FN Facet facet_of_half_vector(vec3 half_vector, vec3 normal, vec3 tangent, ve
     return facet;
 }
 
-// D in [0, 1]. Error in float: that of the facet over the narrow half width, 3e-7 rad/mu_b, and
-// 1e-7 (mu_t/mu_b)^2 from the cancellation in an oblique form (1e-3 at 100:1).
 // What remains of it for lobes without a direction: phi alone.
 TG_FN Facet facet_isotropic(vec3 half_vector, vec3 normal) {
     Facet facet;
@@ -207,6 +205,8 @@ TG_FN Facet facet_isotropic(vec3 half_vector, vec3 normal) {
     return facet;
 }
 
+// D in [0, 1]. Error in float: that of the facet over the narrow half width, 3e-7 rad/mu_b, and
+// 1e-7 (mu_t/mu_b)^2 from the cancellation in an oblique form (1e-3 at 100:1).
 TG_FN float lobe_value(LobeForm form, Facet facet) {
     float exponent = form.xx * facet.dx * facet.dx + float(2.0) * form.xy * facet.dx * facet.dy +
                      form.yy * facet.dy * facet.dy;

@@ -24,9 +24,6 @@ struct Reflection {
     float at_theta_h;       // 1/sr, multiplies F(theta_H) E
 };
 
-// All vectors of unit length. Defined results where nothing is reflected: N.L or N.V <= TG_MIN_COS (so 0,
-// negative and exactly 90 degrees), L = -V, and any vector that is zero, NaN or infinite: lit = 0 and every other
-// member 0, so that no later product meets NaN.
 // Unit, or shorter than 1/2 where L = -V: then there is no half vector, one of the cosines to the normal is <= 0
 // and nothing is reflected.
 TG_FN vec3 half_vector_of(vec3 view, vec3 light) {
@@ -34,6 +31,9 @@ TG_FN vec3 half_vector_of(vec3 view, vec3 light) {
     return sum * (float(1.0) / sqrt(max(dot(sum, sum), float(1.0e-12))));
 }
 
+// All vectors of unit length. Defined results where nothing is reflected: N.L or N.V <= TG_MIN_COS (so 0,
+// negative and exactly 90 degrees), L = -V, and any vector that is zero, NaN or infinite: lit = 0 and every other
+// member 0, so that no later product meets NaN.
 TG_FN LightGeometry light_geometry_at(vec3 normal, vec3 view, vec3 light, vec3 half_vector, Facet facet) {
     LightGeometry g;
     float n_dot_v = dot(normal, view);
@@ -44,6 +44,14 @@ TG_FN LightGeometry light_geometry_at(vec3 normal, vec3 view, vec3 light, vec3 h
     g.facet = facet;
     g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), max(n_dot_v, TG_MIN_COS),
                                           max(g.cos_i, TG_MIN_COS), g.cos_h);
+    // Comparisons with NaN are false, so lit is 0 here whatever a vector holds.
+    if (g.lit < float(0.5)) {
+        g.cos_i = float(0.0);
+        g.cos_h = float(0.0);
+        g.g_over_cos_r = float(0.0);
+        g.facet.dx = float(0.0);
+        g.facet.dy = float(0.0);
+    }
     return g;
 }
 

@@ -386,6 +386,13 @@ CASES = [
         why="H itself is only known to 1e-7 rad; the rest is atan (drivers: 2e-5 of the angle)",
     ),
     Case(
+        "facet_isotropic",
+        lambda rng, n: facet_inputs(rng, n)[:, :6],
+        core_float=Tolerance(2.0e-7, 3.0e-7),
+        gpu=Tolerance(2.0e-7, 3.0e-5),
+        why="phi alone: H is only known to 1e-7 rad; the rest is atan (drivers: 2e-5 of the angle)",
+    ),
+    Case(
         "lobe_value",
         lambda rng, n: columns(*forms_and_facets(rng, n)),
         core_float=Tolerance(1.0e-30, 4.0e-7),
@@ -422,6 +429,49 @@ CASES = [
             *[1 / np.sin(angle_between(x[:, :3], x[:, 3:]))] * 6,
         ),
         why="T minus its share along N: relative to 1/sin of the angle between them",
+    ),
+    Case(
+        "fold_normal",
+        lambda rng, n: visible_normals(rng, n),
+        core_float=Tolerance(0.0, 3.0e-7),
+        gpu=Tolerance(0.0, 5.0e-7),
+        condition=lambda x, y: (1 + np.abs(y)) / np.maximum(1 + x[:, 2:3], 1e-6),
+        why="1/(1 + z) of a normal known to 1e-7",
+    ),
+    Case(
+        "unfold_normal",
+        lambda rng, n: visible_normals(rng, n)[:, :2] * log_uniform(rng, 0.1, 10, n)[:, None],
+        core_float=Tolerance(4.0e-7, 0.0),
+        gpu=Tolerance(4.0e-7, 0.0),
+        why="quotients only",
+    ),
+    Case(
+        "smooth_frame",
+        lambda rng, n: visible_normals(rng, n),
+        core_float=Tolerance(0.0, 4.0e-7),
+        gpu=Tolerance(0.0, 6.0e-7),
+        condition=lambda x, y: 1 / np.maximum(1 + x[:, 2:3], 1e-6) * np.ones((1, 9)),
+        why="1/(1 + z) of a normal known to 1e-7",
+    ),
+    Case(
+        "half_vector_of",
+        lambda rng, n: light_geometry_inputs(rng, n)[:, 9:],
+        core_float=Tolerance(0.0, 3.0e-7),
+        gpu=Tolerance(0.0, 5.0e-7),
+        condition=lambda x, y: (
+            (1 / np.maximum(np.linalg.norm(x[:, :3] + x[:, 3:], axis=1, keepdims=True), 1e-6))
+            * np.ones((1, 3))
+        ),
+        why="L + V may nearly cancel",
+    ),
+    Case(
+        "light_geometry_at",
+        lambda rng, n: light_geometry_at_inputs(rng, n),
+        core_float=Tolerance(0.0, 5.0e-7),
+        gpu=Tolerance(0.0, 1.0e-6),
+        condition=lambda x, y: y[:, :1] * light_geometry_condition(full_geometry(x), y),
+        comparable=lambda x, y: light_geometry_comparable(full_geometry(x), y),
+        why="dot products of directions known to 1e-7",
     ),
     Case(
         "light_geometry",
@@ -499,6 +549,28 @@ CASES = [
         why="the lobe's tolerance plus that of any n and k",
     ),
 ]
+
+
+def visible_normals(rng: np.random.Generator, count: int) -> Rows:
+    """Towards the viewer in view space, and a little beyond the horizon."""
+    normals = random_directions(rng, count)
+    normals[:, 2] = np.abs(normals[:, 2]) - 0.3 * (rng.uniform(size=count) < 0.1)
+    return unit(normals)
+
+
+def light_geometry_at_inputs(rng: np.random.Generator, count: int) -> Rows:
+    """N, V, L, H, facet."""
+    vectors = light_geometry_inputs(rng, count).astype(np.float32).astype(float)
+    normal, view, light = vectors[:, 0:3], vectors[:, 9:12], vectors[:, 12:15]
+    total = light + view
+    half = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-6)
+    return columns(normal, view, light, half, rng.normal(size=(count, 2)))
+
+
+def full_geometry(inputs: Rows) -> Rows:
+    """As light_geometry has them: N, T, B, V, L (T and B do not matter here)."""
+    unused = np.zeros((len(inputs), 6))
+    return columns(inputs[:, 0:3], unused, inputs[:, 3:9])
 
 
 def moments(rng: np.random.Generator, count: int) -> Rows:
