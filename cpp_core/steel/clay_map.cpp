@@ -96,17 +96,8 @@ std::pair<std::size_t, std::size_t> around(const std::vector<Item>& items, doubl
 
 }  // namespace
 
-ClayMap lay_clay(const SteelOutline& outline, const SteelParameters& p, const HamonLine& line,
-                 const Boshi& boshi, bool omote, unsigned threads) {
-    const double s0 = -1.5;
-    double width = 0;
-    for (const double e : outline.frame().edge_mm) width = std::max(width, e);
-    const auto columns = static_cast<std::size_t>((outline.nagasa() + 1.5 - s0) / grid_step_mm) + 2;
-    const auto rows = static_cast<std::size_t>((width + 2.5) / grid_step_mm) + 2;
-    ClayMap clay;
-    clay.distance_mm = FieldGrid(s0, -1.0, grid_step_mm, columns, rows);
-    clay.conductance = FieldGrid(s0, -1.0, grid_step_mm, columns, rows);
-
+FieldGrid lay_clay(const SteelOutline& outline, const SteelParameters& p, const HamonLine& line,
+                   const Boshi& boshi, bool omote, unsigned threads) {
     double crest_reach = 1.0;
     double strip_reach = 1.0;
     double top = 1.0;
@@ -119,6 +110,11 @@ ClayMap lay_clay(const SteelOutline& outline, const SteelParameters& p, const Ha
     for (const ClayStrip& c : line.strips) {
         strip_reach = std::max(strip_reach, std::abs(c.s1 - c.s0) + 3.0 * c.half_width + 0.6);
     }
+    const double s0 = -1.5;
+    const double highest = std::max(top + 5.0, outline.edge(outline.kissaki_s()) + 2.5);
+    const auto columns = static_cast<std::size_t>((outline.nagasa() + 1.5 - s0) / grid_step_mm) + 2;
+    const auto rows = static_cast<std::size_t>((highest + 1.0) / grid_step_mm) + 2;
+    FieldGrid clay(s0, -1.0, grid_step_mm, columns, rows);
     const auto seed = static_cast<std::uint32_t>(p.seed * 0xC2B2AE35U) + (omote ? 3U : 903U);
     // A hand does not draw perfect circles: the drawing is bent a little, at the size of the
     // crests.
@@ -128,24 +124,23 @@ ClayMap lay_clay(const SteelOutline& outline, const SteelParameters& p, const Ha
         columns, 32,
         [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const double s = clay.distance_mm.s_of(i);
+                const double s = clay.s_of(i);
                 const double boshi_share = boshi.share(s);
                 const auto crests =
                     around(line.crests, s, crest_reach, [](const HamonCrest& c) { return c.s; });
                 const auto strips =
                     around(line.strips, s, strip_reach, [](const ClayStrip& c) { return c.s0; });
-                float* distance = clay.distance_mm.column(i);
-                float* conductance = clay.conductance.column(i);
+                float* conductance = clay.column(i);
                 for (std::size_t j = 0; j < rows; ++j) {
-                    const double q = std::max(clay.distance_mm.q_of(j), 0.0);
+                    const double q = std::max(clay.q_of(j), 0.0);
                     float d = far_mm;
                     double bent_s = s;
                     double bent_q = q;
-                    if (q < top + far_mm) {
+                    if (q < top + 1.5) {
                         bent_s +=
-                            0.28 * bend * noise_2d(s / (2.9 * bend), q / (2.3 * bend), seed).value;
-                        bent_q += 0.16 * bend *
-                                  noise_2d(s / (2.3 * bend), q / (2.9 * bend), seed + 1).value;
+                            0.28 * bend * noise_value(s / (2.9 * bend), q / (2.3 * bend), seed);
+                        bent_q +=
+                            0.16 * bend * noise_value(s / (2.3 * bend), q / (2.9 * bend), seed + 1);
                         const double base = line.base_at(bent_s);
                         const double slope =
                             (line.base_at(bent_s + 0.5) - line.base_at(bent_s - 0.5));
@@ -162,7 +157,6 @@ ClayMap lay_clay(const SteelOutline& outline, const SteelParameters& p, const Ha
                         d = static_cast<float>(
                             std::lerp(static_cast<double>(d), boshi.distance(s, q), boshi_share));
                     }
-                    d = std::clamp(d, -far_mm, far_mm);
                     float cover = 0;
                     if (boshi_share < 1.0) {
                         for (std::size_t k = strips.first; k < strips.second; ++k) {
@@ -172,11 +166,10 @@ ClayMap lay_clay(const SteelOutline& outline, const SteelParameters& p, const Ha
                         }
                         cover *= static_cast<float>(1.0 - boshi_share);
                     }
-                    distance[j] = d;
                     const float thin = 1.0F - smooth_step(-static_cast<float>(brush_mm),
                                                           static_cast<float>(brush_mm), d);
-                    conductance[j] =
-                        ClayMap::thick_clay + (1.0F - ClayMap::thick_clay) * thin * (1.0F - cover);
+                    conductance[j] = thick_clay_conductance +
+                                     (1.0F - thick_clay_conductance) * thin * (1.0F - cover);
                 }
             }
         },

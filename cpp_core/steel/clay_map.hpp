@@ -7,17 +7,13 @@
 
 namespace togishi {
 
-/// Two fields over the side, s and q as in SteelOutline.
-struct ClayMap {
-    FieldGrid
-        distance_mm;  ///< to the line between thick and thin clay; negative on the thin side (ha)
-    FieldGrid conductance;  ///< how well heat passes into the water: 1 through thin clay,
-                            ///< thick_clay through thick
-    static constexpr float thick_clay = 0.3F;
-};
+/// Conductance of thick clay; that of thin clay is 1.
+inline constexpr float thick_clay_conductance = 0.3F;
 
-[[nodiscard]] ClayMap lay_clay(const SteelOutline& outline, const SteelParameters& p,
-                               const HamonLine& line, const Boshi& boshi, bool omote,
-                               unsigned threads);
+/// How well heat passes into the water over one side, in [thick_clay_conductance, 1]; s and q as in
+/// SteelOutline. The grid reaches as far up as the hamon and the whole kissaki need.
+[[nodiscard]] FieldGrid lay_clay(const SteelOutline& outline, const SteelParameters& p,
+                                 const HamonLine& line, const Boshi& boshi, bool omote,
+                                 unsigned threads);
 
 }  // namespace togishi

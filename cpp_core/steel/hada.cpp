@@ -82,12 +82,12 @@ HadaSample Hada::at(double s, double y, float footprint_s, float footprint_y) co
     if (style_ == HadaStyle::muji) return out;
 
     // How many layers the footprint spans, per layer frequency.
-    const float span = std::hypot(ds * fs, dy * fy);
+    const float span = hypotenuse(ds * fs, dy * fy);
     const auto per_mm = static_cast<float>(layers_per_mm_);
     float tone = 0;
     // Bold layers are few, fine ones many; how visible each is changes over the blade.
-    const float visible = 0.75F + 0.32F * noise_2d(x / 9.0, z / 3.4, seed_ + 11).value;
-    const float fine_visible = 0.7F + 0.35F * noise_2d(x / 4.0, z / 2.0, seed_ + 12).value;
+    const float visible = 0.75F + 0.32F * noise_value(x / 9.0, z / 3.4, seed_ + 11);
+    const float fine_visible = 0.7F + 0.35F * noise_value(x / 4.0, z / 2.0, seed_ + 12);
     tone += 0.55F * visible * footprint_fade(span * per_mm) *
             noise_1d(layer * layers_per_mm_, seed_ + 13);
     tone += 0.5F * fine_visible * footprint_fade(span * per_mm * 2.7F) *
@@ -99,8 +99,8 @@ HadaSample Hada::at(double s, double y, float footprint_s, float footprint_y) co
     tone += 1.1F * std::max(visible - 0.55F, 0.0F) * footprint_fade(span * per_mm * 6.0F) *
             (std::exp(-weld * weld) - 0.11F);
     // The steel's own fine texture, drawn out along the blade.
-    tone += 0.3F * footprint_fade(std::hypot(fs / 0.9F, fy / 0.16F)) *
-            noise_2d(x / 0.9, z / 0.16, seed_ + 17).value;
+    tone += 0.3F * footprint_fade(hypotenuse(fs / 0.9F, fy / 0.16F)) *
+            noise_value(x / 0.9, z / 0.16, seed_ + 17);
     out.tone = std::clamp(tone, -3.0F, 3.0F);
     return out;
 }

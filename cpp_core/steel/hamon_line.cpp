@@ -260,7 +260,7 @@ class Drawing {
                                     (tall ? 1.0 : 0.74) * std::exp(0.14 * crests_.normal());
                 const double half = pitch * (0.46 + 0.035 * crests_.normal());
                 const double head = std::min(half, 0.3 + 0.5 * high);
-                add_clove(middle, std::max(high, 0.3), head, 0.66 * head,
+                add_clove(middle, std::max(high, 0.3), head, 0.6 * head,
                           (lean + 0.1 * crests_.normal()) * pitch);
                 if (crests_.common_uniform() < 0.28) {
                     // A bud on the shoulder.
@@ -276,7 +276,7 @@ class Drawing {
             swell.s = middle;
             swell.foot_q = swell.head_q = line_.base_at(middle) - 1.0;
             swell.head_half = swell.neck_half = 0.5 * (s - start) + 0.6 * scale;
-            swell.head_high = 1.0 + share(middle) * amplitude(1.5 * size * rise, middle);
+            swell.head_high = 1.0 + share(middle) * amplitude(1.1 * size * rise, middle);
             line_.crests.push_back(swell);
             const double gap = 1.6 * crests_.common_uniform() * scale;
             maybe_leg(s + 0.5 * gap, line_.base_at(s), 0.6);

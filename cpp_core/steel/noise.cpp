@@ -20,9 +20,8 @@ float fade_slope(float t) {
     return 30.0F * t * t * (t - 1.0F) * (t - 1.0F);
 }
 
-}  // namespace
-
-NoiseSample noise_2d(double x, double y, std::uint32_t seed) {
+template <bool with_gradient>
+NoiseSample plane_noise(double x, double y, std::uint32_t seed) {
     const double floor_x = std::floor(x);
     const double floor_y = std::floor(y);
     const auto ix = static_cast<std::int32_t>(floor_x);
@@ -50,11 +49,23 @@ NoiseSample noise_2d(double x, double y, std::uint32_t seed) {
     const float twist = va - vb - vc + vd;
     NoiseSample n;
     n.value = plane_scale * (va + u * (vb - va) + v * (vc - va) + u * v * twist);
-    n.dx = plane_scale * (ax + u * (bx - ax) + v * (cx - ax) + u * v * (ax - bx - cx + dx) +
-                          fade_slope(fx) * (vb - va + v * twist));
-    n.dy = plane_scale * (ay + u * (by - ay) + v * (cy - ay) + u * v * (ay - by - cy + dy) +
-                          fade_slope(fy) * (vc - va + u * twist));
+    if constexpr (with_gradient) {
+        n.dx = plane_scale * (ax + u * (bx - ax) + v * (cx - ax) + u * v * (ax - bx - cx + dx) +
+                              fade_slope(fx) * (vb - va + v * twist));
+        n.dy = plane_scale * (ay + u * (by - ay) + v * (cy - ay) + u * v * (ay - by - cy + dy) +
+                              fade_slope(fy) * (vc - va + u * twist));
+    }
     return n;
+}
+
+}  // namespace
+
+NoiseSample noise_2d(double x, double y, std::uint32_t seed) {
+    return plane_noise<true>(x, y, seed);
+}
+
+float noise_value(double x, double y, std::uint32_t seed) {
+    return plane_noise<false>(x, y, seed).value;
 }
 
 float noise_1d(double x, std::uint32_t seed) {

@@ -38,13 +38,21 @@ struct NoiseSample {
 /// Plane noise of feature size about 1, mean 0, variance 1 (extremes about +-3).
 [[nodiscard]] NoiseSample noise_2d(double x, double y, std::uint32_t seed);
 
+/// noise_2d's value alone, the same bits.
+[[nodiscard]] float noise_value(double x, double y, std::uint32_t seed);
+
 /// Line noise of feature size about 1, mean 0, variance 1.
 [[nodiscard]] float noise_1d(double x, std::uint32_t seed);
 
 /// What remains of a wave after averaging over a sample's footprint.
 /// cycles: how many features the footprint spans; 1 at 0, below 1 % from 1.2 on.
 [[nodiscard]] inline float footprint_fade(float cycles) {
-    return std::exp(-3.3F * cycles * cycles);
+    return cycles < 0.02F ? 1.0F : std::exp(-3.3F * cycles * cycles);
+}
+
+/// sqrt(x^2 + y^2) for values that cannot overflow.
+[[nodiscard]] inline float hypotenuse(float x, float y) {
+    return std::sqrt(x * x + y * y);
 }
 
 /// S-curve: 0 below `low`, 1 above `high`.

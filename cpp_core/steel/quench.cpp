@@ -21,15 +21,16 @@ constexpr double thicker_per_mm = 0.03;
 
 }  // namespace
 
-QuenchedSide quench(const SteelOutline& outline, const SteelParameters& p, ClayMap clay,
+QuenchedSide quench(const SteelOutline& outline, const SteelParameters& p, FieldGrid rate,
                     unsigned threads) {
-    FieldGrid& rate = clay.conductance;
+    // Conductance of the clay, then of the clay with the steel's own spreading, then
+    // ln(rate/critical).
     rate.diffuse(spread_along_mm, spread_across_mm, threads);
-    const float critical = 0.5F * (1.0F + ClayMap::thick_clay);
+    const float critical = 0.5F * (1.0F + thick_clay_conductance);
     const float most = std::log(1.0F / critical);
     // ln(rate)'s slope across a straight, sharp clay border: the step of the conductance, spread.
     const auto sharp =
-        static_cast<float>((1.0 - ClayMap::thick_clay) / critical /
+        static_cast<float>((1.0 - thick_clay_conductance) / critical /
                            std::sqrt(6.2832 * (spread_across_mm * spread_across_mm + 0.018)));
 
     const std::size_t columns = rate.columns();
@@ -53,7 +54,7 @@ QuenchedSide quench(const SteelOutline& outline, const SteelParameters& p, ClayM
 
     QuenchedSide side;
     side.depth_mm = distance_to_zero(rate, 4.0F);
-    side.softness = clay.distance_mm;
+    side.softness = side.depth_mm;
     side.crest_q.assign(columns, 0.0);
     const auto per_mm = static_cast<float>(0.5 / rate.step());
     parallel_for(

@@ -24,6 +24,6 @@ struct QuenchedSide {
 };
 
 [[nodiscard]] QuenchedSide quench(const SteelOutline& outline, const SteelParameters& p,
-                                  ClayMap clay, unsigned threads);
+                                  FieldGrid conductance, unsigned threads);
 
 }  // namespace togishi

@@ -24,7 +24,7 @@ constexpr double largest_sample_mm = 0.35;  // coarser texels are averaged from 
 constexpr float hada_at_full_strength = 0.15F;
 constexpr float ha_share = 0.8F;  // the ha behind the line is not all martensite crystals
 
-f32::Lobe encoded(const char* name, const SteelLobe& lobe) {
+f32::Lobe encoded(const char* name, const MaterialLobe& lobe) {
     const auto check = [&](const char* field, double x, bool ok, const char* allowed) {
         if (!ok)
             throw InputError("steel pattern", std::string(name) + "." + field, std::to_string(x),
@@ -67,7 +67,7 @@ enum At : std::size_t { ji_ln, ji_e1, ji_e2, ha_ln, ha_e1, ha_e2, at_w, at_h };
 /// Evaluates single samples of the pattern.
 class Sampler {
   public:
-    Sampler(const BladeFrame& frame, const SteelLobes& lobes, const SteelParameters& p,
+    Sampler(const BladeFrame& frame, const Material& material, const SteelParameters& p,
             unsigned threads)
         : frame_(frame),
           p_(p),
@@ -75,12 +75,12 @@ class Sampler {
           sides_(make_sides(outline_, p, threads)),
           hada_(p.hada, p.hada_scale, p.seed),
           seed_(static_cast<std::uint32_t>(p.seed * 0x9E3779B1U)),
-          ji_(encoded("ji", lobes.ji)),
-          shinogi_ji_(encoded("shinogi_ji", lobes.shinogi_ji)),
-          mune_(encoded("mune", lobes.mune)),
-          kissaki_(encoded("kissaki", lobes.kissaki)),
-          ha_(encoded("ha", lobes.ha)),
-          nakago_(encoded("nakago", lobes.nakago)) {}
+          ji_(encoded("ji", material.ji)),
+          shinogi_ji_(encoded("shinogi_ji", material.shinogi_ji)),
+          mune_(encoded("mune", material.mune)),
+          kissaki_(encoded("kissaki", material.kissaki)),
+          ha_(encoded("ha", material.ha)),
+          nakago_(encoded("nakago", material.nakago)) {}
 
     /// u, v of the sample's middle; footprint in mm. part: set where asked for.
     Sample at(double u, double v, float footprint_x, float footprint_y, Part& part) const {
@@ -178,11 +178,11 @@ class Sampler {
         // The line's own roughness: nie make it grainy, nioi leave it smooth.
         const float larger = std::max(footprint_x, footprint_y);
         depth += (0.05F + 0.05F * nie) * footprint_fade(larger / 1.6F) *
-                 noise_2d(x / 1.6, y / 1.1, seed).value;
+                 noise_value(x / 1.6, y / 1.1, seed);
         depth += (0.02F + 0.06F * nie) * footprint_fade(larger / 0.5F) *
-                 noise_2d(x / 0.5, y / 0.4, seed + 1).value;
+                 noise_value(x / 0.5, y / 0.4, seed + 1);
         const float softness = std::max(0.5F, side.steel.softness.sample(s, q).value);
-        const float slow = 1.0F + 0.16F * noise_2d(x / 17.0, y / 6.0, seed + 2).value;
+        const float slow = 1.0F + 0.16F * noise_value(x / 17.0, y / 6.0, seed + 2);
         float width = static_cast<float>(p_.nioiguchi_mm) * std::min(softness, 2.2F) * slow;
         // A line narrower than the footprint widens to it.
         const float span_s = depth_field.ds * footprint_x;
@@ -196,22 +196,21 @@ class Sampler {
         float ln_mu = ha_.ln_mu_deg;
         ln_mu += hada_at_full_strength * static_cast<float>(p_.hada_strength) * 0.45F * edge_fade *
                  hada.tone;
-        ln_mu += 0.05F * edge_fade * noise_2d(x / 7.0, y / 2.6, seed + 3).value;
+        ln_mu += 0.05F * edge_fade * noise_value(x / 7.0, y / 2.6, seed + 3);
         // The line is finer than the material's ha, the ha behind it a little rougher.
         ln_mu += bright * (0.16F - 0.56F * line.glow);
         // Off the mirror direction roughness hardly shows (the lobe is at its widest there): the
         // grain and the
         // clouds within the ha are seen as more or less hardened steel.
-        const float cloud = 0.05F * noise_2d(x / 5.5, y / 1.9, seed + 8).value;
+        const float cloud = 0.05F * noise_value(x / 5.5, y / 1.9, seed + 8);
         const float grain_tone = 0.09F * static_cast<float>(p_.hada_strength) * hada.tone;
         float w = line.w * (1.0F - edge_fade * inside * (1.0F - line.glow) *
                                        std::clamp(0.04F + cloud + grain_tone, -0.2F, 0.3F));
 
         if (p_.sunagashi > 0.0 && depth > 0.05F && edge_fade > 0.0F) {
             // Swept sand: bundles of lines along the grain, in patches behind the line.
-            const float span = std::hypot(hada.ds * footprint_x, hada.dq * footprint_y);
-            const float patch =
-                smooth_step(0.3F, 1.4F, noise_2d(x / 13.0, y / 1.7, seed + 4).value);
+            const float span = hypotenuse(hada.ds * footprint_x, hada.dq * footprint_y);
+            const float patch = smooth_step(0.3F, 1.4F, noise_value(x / 13.0, y / 1.7, seed + 4));
             const float zone = inside * edge_fade * std::exp(-std::max(depth - 0.5F, 0.0F) / 2.0F);
             const float amount = static_cast<float>(p_.sunagashi) * zone * patch;
             if (amount > 0.01F) {
@@ -233,7 +232,7 @@ class Sampler {
             const float band = 0.42F * std::exp(-t * t);
             const float within = 0.05F * inside * std::exp(-std::max(depth, 0.0F) / 2.5F);
             const float outside = depth < 0.0F ? 0.015F * std::exp(depth / 1.2F) : 0.0F;
-            const float patch = 0.65F + 0.45F * noise_2d(x / 5.0, y / 1.8, seed + 7).value;
+            const float patch = 0.65F + 0.45F * noise_value(x / 5.0, y / 1.8, seed + 7);
             const float amount =
                 nie * (band + within + outside) * std::clamp(patch, 0.1F, 1.8F) * edge_fade;
             if (amount > 0.002F) {
@@ -252,14 +251,12 @@ class Sampler {
         const auto seed = seed_ + (omote ? 300U : 400U);
         const double over = q - side.hadori.outline_q(s);
         const double ragged = straight ? 0.25 : 1.0;
-        const double line =
-            2.4 + ragged * static_cast<double>(
-                               noise_2d(x / (straight ? 25.0 : 6.5), y / 5.0, seed).value);
+        const double line = 2.4 + ragged * static_cast<double>(noise_value(
+                                               x / (straight ? 25.0 : 6.5), y / 5.0, seed));
         const double start = smooth_step(15.0, 60.0, s);
         const double body =
             smooth_step(-0.7, 0.9, over - line) * std::exp(-std::max(over - line, 0.0) / 4.5);
-        const float mist =
-            std::max(0.0F, 0.75F + 0.3F * noise_2d(x / 6.0, y / 2.2, seed + 1).value);
+        const float mist = std::max(0.0F, 0.75F + 0.3F * noise_value(x / 6.0, y / 2.2, seed + 1));
         return 0.4F * static_cast<float>(p_.utsuri * body * start) * mist;
     }
 
@@ -292,7 +289,7 @@ void collapse(std::vector<float>& channel) {
 
 }  // namespace
 
-PropertyMaps steel_pattern(const BladeFrame& frame, const SteelLobes& lobes,
+PropertyMaps steel_pattern(const BladeFrame& frame, const Material& material,
                            const SteelParameters& parameters, std::size_t width, std::size_t height,
                            const SteelProgress& progress, unsigned threads) {
     check_steel_parameters(parameters);
@@ -304,7 +301,7 @@ PropertyMaps steel_pattern(const BladeFrame& frame, const SteelLobes& lobes,
         throw InputError("steel pattern", "height", std::to_string(height), "1 to 65536 texels");
     }
     report(progress, 0.0);
-    const Sampler sampler(frame, lobes, parameters, threads);
+    const Sampler sampler(frame, material, parameters, threads);
     constexpr double quench_share = 0.3;
     report(progress, quench_share);
 

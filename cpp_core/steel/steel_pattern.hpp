@@ -9,29 +9,11 @@
 #include <stdexcept>
 
 #include "blade/frame.hpp"
+#include "brdf/material.hpp"
 #include "brdf/property_maps.hpp"
 #include "steel/steel_parameters.hpp"
 
 namespace togishi {
-
-/// Half widths (degrees, in (0, 90)) and the azimuth of the wide axis of one part's lobe; strokes
-/// run at rho + 90.
-struct SteelLobe {
-    double mu_t_deg = 1;
-    double mu_b_deg = 1;
-    double rho_deg = 0;
-};
-
-/// The mean lobes that the pattern varies. The hadori's lobe is no part of the maps: it is
-/// constant.
-struct SteelLobes {
-    SteelLobe ji{0.9, 0.7, 45.0};
-    SteelLobe shinogi_ji{0.6, 0.4, 90.0};
-    SteelLobe mune{0.6, 0.4, 90.0};
-    SteelLobe kissaki{0.9, 0.6, 0.0};
-    SteelLobe ha{5.2, 4.8, 45.0};
-    SteelLobe nakago{25.0, 20.0, 0.0};
-};
 
 /// Called from the caller's own thread with the share done, in [0, 1]; returning false cancels.
 using SteelProgress = std::function<bool(double)>;
@@ -42,11 +24,12 @@ class SteelCancelled : public std::runtime_error {
     SteelCancelled() : std::runtime_error("steel pattern: cancelled") {}
 };
 
-/// Maps of width x height texels over the frame's chart (v = 0.5 is the mune ridge).
-/// w: share of hardened steel; h: hadori, of the rest. Both are 0 in the nakago. Where w > 0.5 the
-/// part is ha (body) or boshi (kissaki). Throws InputError for parameters, lobes or sizes out of
-/// range (1 x 1 to 65536 x 65536), SteelCancelled. threads: 0 takes as many as the machine has.
-[[nodiscard]] PropertyMaps steel_pattern(const BladeFrame& frame, const SteelLobes& lobes,
+/// The material's lobes are the means that the pattern varies; its hadori lobe is no part of the
+/// maps. Maps of width x height texels over the frame's chart (v = 0.5 is the mune ridge). w: share
+/// of hardened steel; h: hadori, of the rest. Both are 0 in the nakago. Where w > 0.5 the part is
+/// ha (body) or boshi (kissaki). Throws InputError for parameters, lobes or sizes out of range (1 x
+/// 1 to 65536 x 65536), SteelCancelled. threads: 0 takes as many as the machine has.
+[[nodiscard]] PropertyMaps steel_pattern(const BladeFrame& frame, const Material& material,
                                          const SteelParameters& parameters, std::size_t width,
                                          std::size_t height, const SteelProgress& progress = {},
                                          unsigned threads = 0);

@@ -13,9 +13,9 @@ namespace togishi {
 [[nodiscard]] inline float stroke_wander_rad(double x, double y, double wander_deg,
                                              float footprint_x, float footprint_y,
                                              std::uint32_t seed) {
-    const float stone = noise_2d(x / 21.0, y / 6.0, seed).value;
-    const float hand = footprint_fade(std::hypot(footprint_x / 3.5F, footprint_y / 0.9F)) *
-                       noise_2d(x / 3.5, y / 0.9, seed + 1).value;
+    const float stone = noise_value(x / 21.0, y / 6.0, seed);
+    const float hand = footprint_fade(hypotenuse(footprint_x / 3.5F, footprint_y / 0.9F)) *
+                       noise_value(x / 3.5, y / 0.9, seed + 1);
     return static_cast<float>(wander_deg) * 0.0174533F * (0.8F * stone + 0.6F * hand);
 }
 
