@@ -77,7 +77,8 @@ double delta_e00(const glm::dvec3& lab_a, const glm::dvec3& lab_b) {
     const double l = dl / s_l;
     const double c = dc / s_c;
     const double h = dh_chord / s_h;
-    return std::sqrt(std::fmax(0.0, l * l + c * c + h * h + r_t * c * h));
+    const double sum = l * l + c * c + h * h + r_t * c * h;
+    return sum < 0.0 ? 0.0 : std::sqrt(sum);  // rounding; NaN stays NaN
 }
 
 }  // namespace togishi

@@ -248,42 +248,58 @@ glm::dvec3 lab_white_of(const Pair& pair) {
     return colour_weights(*find_light("D65"), *pair.observer).white;
 }
 
-void compare_pair(const Pair& pair, const std::vector<Method>& all, Comparison& result) {
-    std::vector<double> angles_deg;
-    std::vector<float> cosines;
-    for (int half_degrees = 0; half_degrees <= 176; ++half_degrees) {
-        angles_deg.push_back(0.5 * half_degrees);
-        cosines.push_back(static_cast<float>(std::cos(angles_deg.back() * rad_per_deg)));
-    }
-    auto xyz_on = [&](const Grid& grid, const ColourWeights& weights) {
-        const auto index = pair.metal->at(grid);
-        std::vector<double> reflectance(grid.count);
-        std::vector<glm::dvec3> xyz;
-        for (const double angle : angles_deg) {
-            for (std::size_t i = 0; i < grid.count; ++i) {
-                reflectance[i] =
-                    f64::fresnel_conductor(index.n[i], index.k[i], std::cos(angle * rad_per_deg));
-            }
-            xyz.push_back(weights.xyz(reflectance));
+constexpr std::size_t angle_count = 177;  // 0 to 88 degrees
+
+double angle_deg(std::size_t a) {
+    return 0.5 * static_cast<double>(a);
+}
+
+double cosine(std::size_t a) {
+    return std::cos(angle_deg(a) * rad_per_deg);
+}
+
+// F at every angle and wavelength of a grid, in double.
+std::vector<std::vector<double>> reflectances(const Metal& metal, const Grid& grid) {
+    const auto index = metal.at(grid);
+    std::vector<std::vector<double>> all(angle_count, std::vector<double>(grid.count));
+    for (std::size_t a = 0; a < angle_count; ++a) {
+        for (std::size_t i = 0; i < grid.count; ++i) {
+            all[a][i] = f64::fresnel_conductor(index.n[i], index.k[i], cosine(a));
         }
-        return xyz;
-    };
+    }
+    return all;
+}
+
+// The metal of a pair, reflecting on both grids: shared by all its lights.
+struct Reflecting {
+    std::vector<std::vector<double>> on_full;
+    std::vector<std::vector<double>> on_61;
+};
+
+void compare_pair(const Pair& pair, const Reflecting& metal, const std::vector<Method>& all,
+                  Comparison& result) {
     const glm::dvec3 lab_white = lab_white_of(pair);
     auto error = [&](const glm::dvec3& xyz, const glm::dvec3& truth) {
         return delta_e00(lab_from_xyz(xyz, lab_white), lab_from_xyz(truth, lab_white));
     };
-    const auto truth = xyz_on(grid_full, colour_weights(*pair.light, *pair.observer, grid_full));
-    const auto on_61 = xyz_on(grid_61, colour_weights(*pair.light, *pair.observer, grid_61));
-    for (std::size_t a = 0; a < truth.size(); ++a) {
-        keep_worst(result.grid, error(on_61[a], truth[a]), pair, angles_deg[a]);
+    const auto weights_full = colour_weights(*pair.light, *pair.observer, grid_full);
+    const auto weights_61 = colour_weights(*pair.light, *pair.observer, grid_61);
+    std::vector<glm::dvec3> truth;
+    std::vector<glm::dvec3> on_61;
+    std::vector<float> cosines;
+    for (std::size_t a = 0; a < angle_count; ++a) {
+        truth.push_back(weights_full.xyz(metal.on_full[a]));
+        on_61.push_back(weights_61.xyz(metal.on_61[a]));
+        cosines.push_back(static_cast<float>(cosine(a)));
+        keep_worst(result.grid, error(on_61[a], truth[a]), pair, angle_deg(a));
     }
     const glm::dmat3 xyz_from_rgb = glm::inverse(pair.rgb_from_xyz);
     std::vector<glm::vec3> rgb(cosines.size());
     for (std::size_t m = 0; m < all.size(); ++m) {
         all[m].prepare(pair)(cosines, rgb.data());
-        for (std::size_t a = 0; a < truth.size(); ++a) {
+        for (std::size_t a = 0; a < angle_count; ++a) {
             const glm::dvec3 xyz = xyz_from_rgb * glm::dvec3(rgb[a]);
-            keep_worst(result.simplified[m], error(xyz, truth[a]), pair, angles_deg[a]);
+            keep_worst(result.simplified[m], error(xyz, truth[a]), pair, angle_deg(a));
             const glm::dvec3 off = glm::abs(xyz - on_61[a]) / on_61[a].y;
             result.xyz_rel[m] = std::max({result.xyz_rel[m], off.x, off.y, off.z});
         }
@@ -388,8 +404,15 @@ int main(int argc, char** argv) {
     comparison.simplified.resize(all.size());
     comparison.xyz_rel.resize(all.size());
     for (const auto& metal : builtin_metals()) {
-        for (const auto* light : lights_of_the_comparison)
-            compare_pair(pair_of(metal, light), all, comparison);
+        const Reflecting reflecting{reflectances(*metal, grid_full), reflectances(*metal, grid_61)};
+        for (const auto* light : lights_of_the_comparison) {
+            compare_pair(pair_of(metal, light), reflecting, all, comparison);
+        }
+        // The hardest spectra for a grid, wherever they fall between its samples.
+        for (int nm = 400; nm < 700; ++nm) {
+            compare_pair(pair_of(metal, "line:" + std::to_string(nm) + ".5"), reflecting, {},
+                         comparison);
+        }
     }
     float sink = 0.0F;
     const auto timings = time_methods(all, rounds, sink);
