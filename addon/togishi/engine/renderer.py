@@ -34,6 +34,7 @@ from ..core.scene_data import (
     SteelMaterial,
 )
 from ..core.shader_source import LightVariant, ProgramSource, SteelVariant
+from ..core.sampling import pixel_offsets
 from ..core.tables import Tables
 from .programs import Block, build, float_buffer
 
@@ -139,7 +140,7 @@ class _PlainItem:
 
 
 @dataclass(frozen=True)
-class Inputs:
+class Gbuffer:
     """What the GPU's second half computes from, float32, rows from the bottom. View space: the viewer is the
     origin, looks along -z. Azimuths of the lobes are from `tangent`, as everywhere."""
 
@@ -268,7 +269,7 @@ class Renderer:
                     mesh.batches[group.slot, group.nakago].draw(shader)
         return AuxPicture(size, depth, part, framebuffer)
 
-    def inputs(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> Inputs:
+    def gbuffer(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> Gbuffer:
         """What each pixel of polished steel is computed from. For accuracy tests."""
         self._prepare(scene, shader_source.FLOAT_MAX, False)
         space = packing.view_space(camera, size)
@@ -291,7 +292,7 @@ class Renderer:
                         self._bind_screen(source, steel, targets, (-1.0, -1.0, 1.0, 1.0))
                         self._rectangle().draw(self._shader(source))
         read = dict(zip(names, (read_texture(texture) for texture in textures), strict=True))
-        return Inputs(
+        return Gbuffer(
             covered=read["normal"][..., 3] > 0.5,
             normal=read["normal"][..., :3],
             tangent=read["tangent"][..., :3],
@@ -669,17 +670,26 @@ class Gathering:
         self.samples = 0
         self.texture = GPUTexture(size, format="RGBA32F")
         self._framebuffer = GPUFrameBuffer(color_slots=[self.texture])
-        self.clear()
 
-    def clear(self) -> None:
+    def restart(self) -> None:
+        """The next sample is the first one."""
         self.samples = 0
-        with self._framebuffer.bind():
-            self._framebuffer.clear(color=(0.0, 0.0, 0.0, 0.0))
 
     def add(self, picture: Picture, scale: float = 1.0) -> None:
+        """Add a picture times `scale`."""
         with self._framebuffer.bind():
-            self._renderer.copy(picture.colour, scale, blend="ADDITIVE_PREMULT")
+            blend = "NONE" if self.samples == 0 else "ADDITIVE_PREMULT"
+            self._renderer.copy(picture.colour, scale, blend=blend)
         self.samples += 1
+
+    def offset(self, wanted: int, filter_width: float) -> tuple[float, float]:
+        """Where in the pixel the next of `wanted` samples lies. The first one lies in the centre, so that a
+        picture that stops after one sample is not shifted."""
+        offsets = pixel_offsets(wanted, filter_width)
+        first = int(np.argmin((offsets**2).sum(axis=1)))
+        order = [first, *(i for i in range(wanted) if i != first)]
+        x, y = offsets[order[min(self.samples, wanted - 1)]].tolist()
+        return (0.0, 0.0) if self.samples == 0 else (x, y)
 
     def read(self) -> np.ndarray:
         return read_texture(self.texture)

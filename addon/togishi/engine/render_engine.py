@@ -1,0 +1,178 @@
+"""Blender's side of the engine: thin callers of Renderer for viewports and final renders."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..core import native
+from ..core.scene_data import SceneData
+from .camera_read import border_region, region_camera, render_camera, whole_size
+from .final_render import render_final
+from .programs import ShaderError
+from .renderer import Gathering, Renderer, lod_bias_of
+from .scene_sync import SceneSync
+
+PART_PASS = "Togishi Part"
+
+
+class _Viewport:
+    """What one viewport keeps between its pictures."""
+
+    def __init__(self) -> None:
+        self.renderer = Renderer()
+        self.sync = SceneSync()
+        self.scene: SceneData | None = None
+        self.gathering: Gathering | None = None
+        self.gathered: tuple[object, ...] = ()
+
+
+class TogishiRenderEngine(bpy.types.RenderEngine):
+    """Japanese swords from measured spectra, in real time."""
+
+    bl_idname = "TOGISHI"
+    bl_label = "Togishi"
+    bl_use_preview = True
+    bl_use_gpu_context = True
+    bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True  # material preview shading stays EEVEE's
+
+    def __init__(self, *args: object, **keywords: object) -> None:
+        super().__init__(*args, **keywords)
+        self._viewport: _Viewport | None = None
+
+    # --- final render ---------------------------------------------------------------------------
+
+    def update_render_passes(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
+        self.register_pass(scene, layer, "Combined", 4, "RGBA", "COLOR")
+        settings = getattr(scene, "togishi", None)
+        if layer.use_pass_z or getattr(settings, "use_pass_depth", False):
+            self.register_pass(scene, layer, "Depth", 1, "Z", "VALUE")
+        if getattr(settings, "use_pass_part", False):
+            self.register_pass(scene, layer, PART_PASS, 1, "X", "VALUE")
+
+    def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        reason = native.problem()
+        if reason:
+            self.error_set(reason)
+            return
+        scene = depsgraph.scene_eval
+        settings = getattr(scene, "togishi", None)
+        camera = self.camera_override or scene.camera
+        if camera is None:
+            self.error_set(f"Scene {scene.name!r} has no camera.")
+            return
+        layer = depsgraph.view_layer_eval
+        want_depth = layer.use_pass_z or getattr(settings, "use_pass_depth", False)
+        want_part = getattr(settings, "use_pass_part", False)
+        size = whole_size(scene.render)
+        region = border_region(scene.render, size)
+        sync, renderer = SceneSync(), Renderer()
+        try:
+            data = sync.update(depsgraph)
+            self._tell(sync.messages)
+            picture = render_final(
+                renderer,
+                data,
+                render_camera(self, depsgraph, camera),
+                size,
+                region,
+                samples=1 if self.is_preview else getattr(settings, "samples", 16),
+                filter_width=scene.render.filter_size,
+                depth=want_depth,
+                part=want_part,
+                progress=self._progress,
+            )
+        except (ShaderError, native.CoreMissingError, ValueError) as error:
+            self.error_set(str(error))
+            return
+        self._tell(list(renderer.tables.problems.values()))
+        if picture is None:
+            return
+        cropped = scene.render.use_border and scene.render.use_crop_to_border
+        corner = (0, 0) if cropped else (region.x, region.y)
+        result = self.begin_result(*corner, region.width, region.height, layer=layer.name)
+        passes = result.layers[0].passes
+        for name, values in (
+            ("Combined", picture.colour),
+            ("Depth", picture.depth),
+            (PART_PASS, picture.part),
+        ):
+            if values is not None and name in passes:
+                passes[name].rect = values.reshape(-1, values.shape[-1])
+        self.end_result(result)
+
+    def _progress(self, share: float) -> bool:
+        self.update_progress(share)
+        return not self.test_break()
+
+    def _tell(self, messages: list[str]) -> None:
+        for message in messages:
+            self.report({"WARNING"}, message)
+
+    # --- viewport -------------------------------------------------------------------------------
+
+    def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        if native.problem():
+            return
+        if self._viewport is None:
+            self._viewport = _Viewport()
+        self._viewport.scene = self._viewport.sync.update(depsgraph, context.space_data)
+
+    def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        reason = native.problem()
+        if reason:
+            self.update_stats("Togishi", reason)
+            return
+        if self._viewport is None or self._viewport.scene is None:
+            self.view_update(context, depsgraph)
+        view = self._viewport
+        assert view is not None and view.scene is not None
+        try:
+            self._draw(context, depsgraph, view, view.scene)
+        except (ShaderError, native.CoreMissingError, ValueError) as error:
+            self.update_stats("Togishi", str(error))
+            return
+        notes = [*view.sync.messages, *view.renderer.tables.problems.values()]
+        self.update_stats("Togishi", "  |  ".join(notes))
+
+    def _draw(
+        self,
+        context: bpy.types.Context,
+        depsgraph: bpy.types.Depsgraph,
+        view: _Viewport,
+        scene: SceneData,
+    ) -> None:
+        region = context.region
+        size = (region.width, region.height)
+        camera = region_camera(context.region_data)
+        settings = getattr(depsgraph.scene_eval, "togishi", None)
+        wanted = max(int(getattr(settings, "viewport_samples", 1)), 1)
+        # While something moves: one sample. When nothing does: further ones are added up.
+        still = (scene, size, camera.view.tobytes(), camera.projection.tobytes(), wanted)
+        if view.gathered != still:
+            view.gathered = still
+            if view.gathering is not None:
+                view.gathering.restart()
+        renderer = view.renderer
+        if wanted == 1:
+            picture = renderer.draw(scene, camera, size)
+            renderer.copy(picture.colour, blend="ALPHA_PREMULT")
+            return
+        gathering = view.gathering
+        if gathering is None or gathering.size != size:
+            gathering = view.gathering = Gathering(renderer, size)
+        if gathering.samples < wanted:
+            offset = gathering.offset(wanted, depsgraph.scene_eval.render.filter_size)
+            bias = lod_bias_of(wanted) if gathering.samples else 0.0
+            gathering.add(renderer.draw(scene, camera, size, jitter=offset, lod_bias=bias))
+            if gathering.samples < wanted:
+                self.tag_redraw()
+        renderer.copy(gathering.texture, 1.0 / gathering.samples, blend="ALPHA_PREMULT")
+
+
+def register() -> None:
+    bpy.utils.register_class(TogishiRenderEngine)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(TogishiRenderEngine)

@@ -1,0 +1,292 @@
+"""From Blender's evaluated dependency graph to scene data, reading again only what changed."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .. import properties
+from ..core import native
+from ..core.materials import blade_material
+from ..core.scene_data import (
+    BladeMaterial,
+    ColourSettings,
+    Instance,
+    Light,
+    MapData,
+    Material,
+    MeshData,
+    SceneData,
+)
+from .image_maps import MapError, image_key, read_maps
+from .light_read import read_light, read_world
+from .material_read import read_plain
+from .mesh_read import read_mesh
+
+# Blender's names of working spaces and the core's.
+_SPACES = {"Linear Rec.709": "rec709", "Linear Rec.2020": "rec2020", "ACEScg": "acescg"}
+_SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+_NO_MATERIAL = "no material"
+
+
+def working_space() -> str:
+    """The scene-linear space that this Blender file works in (5.0 lets it be chosen)."""
+    colorspace = getattr(bpy.data, "colorspace", None)
+    name = getattr(colorspace, "working_space", "Linear Rec.709")
+    return _SPACES.get(name, "rec709")
+
+
+def matrix_array(matrix: object) -> np.ndarray:
+    return np.array(matrix, np.float64)
+
+
+class SceneSync:
+    """Keeps what it read of one depsgraph. One belongs to each viewport and each final render."""
+
+    def __init__(self) -> None:
+        self.messages: list[str] = []  # what the user should know of the last update
+        self._scene: SceneData | None = None
+        self._meshes: dict[str, tuple[frozenset[int], MeshData]] = {}
+        self._mesh_users: dict[str, set[int]] = {}  # mesh key -> session uids that it came from
+        self._materials: dict[str, tuple[int, Material, str]] = {}
+        self._maps: dict[tuple[object, ...], MapData | str] = {}
+        self._light_objects: list[int] = []
+        self._instanced_lights = False
+        self._light_notes: list[str] = []
+        self._other_notes: list[str] = []
+
+    def update(
+        self, depsgraph: bpy.types.Depsgraph, view3d: bpy.types.SpaceView3D | None = None
+    ) -> SceneData:
+        """The scene now. Meshes, materials and maps that did not change are the objects of the last time."""
+        if self._scene is None:
+            self._scene = self._read_all(depsgraph, view3d)
+        else:
+            only_lights = self._forget_changed(depsgraph)
+            if only_lights and not self._instanced_lights:
+                self._scene = self._read_lights(depsgraph, view3d, self._scene)
+            else:
+                self._scene = self._read_all(depsgraph, view3d)
+        self.messages = [*self._other_notes, *self._light_notes]
+        return self._scene
+
+    # --- what changed ---------------------------------------------------------------------------
+
+    def _forget_changed(self, depsgraph: bpy.types.Depsgraph) -> bool:
+        """Drop what an update touched. Whether nothing but lamps, world and their trees changed."""
+        only_lights = True
+        for update in depsgraph.updates:
+            changed = update.id
+            if isinstance(changed, bpy.types.Light | bpy.types.World):
+                continue
+            if isinstance(changed, bpy.types.Object) and changed.type == "LIGHT":
+                continue
+            if isinstance(changed, bpy.types.ShaderNodeTree) and changed.is_embedded_data:
+                # A material's own tree comes together with its material.
+                continue
+            only_lights = False
+            uid = changed.session_uid
+            if update.is_updated_geometry:
+                for key in [k for k, users in self._mesh_users.items() if uid in users]:
+                    self._meshes.pop(key, None)
+                    del self._mesh_users[key]
+            if isinstance(changed, bpy.types.Material):
+                for name in [k for k, known in self._materials.items() if known[0] == uid]:
+                    del self._materials[name]
+            if isinstance(changed, bpy.types.Image):
+                self._maps = {k: v for k, v in self._maps.items() if uid not in _uids(k)}
+                self._materials.clear()
+        return only_lights
+
+    # --- reading --------------------------------------------------------------------------------
+
+    def _read_all(
+        self, depsgraph: bpy.types.Depsgraph, view3d: bpy.types.SpaceView3D | None
+    ) -> SceneData:
+        self._light_objects, self._instanced_lights = [], False
+        self._light_notes, self._other_notes = [], []
+        lights: list[Light] = []
+        instances: list[Instance] = []
+        meshes: dict[str, MeshData] = {}
+        materials: dict[str, Material] = {}
+        for item in depsgraph.object_instances:
+            if not item.show_self:
+                continue
+            obj = item.object
+            owner = item.parent if item.is_instance else obj
+            if view3d is not None and owner is not None:
+                if not owner.original.visible_in_viewport_get(view3d):
+                    continue
+            if obj.type == "LIGHT":
+                if item.is_instance:
+                    self._instanced_lights = True
+                else:
+                    self._light_objects.append(obj.original.session_uid)
+                light, note = read_light(obj.data, matrix_array(item.matrix_world))
+                lights.append(light)
+                if note:
+                    self._light_notes.append(note)
+            elif obj.type in _SURFACES:
+                keys = self._object_materials(obj, materials)
+                key, mesh = self._mesh(obj, item.is_instance, keys)
+                if mesh is not None and mesh.groups:
+                    meshes[key] = mesh
+                    instances.append(Instance(key, matrix_array(item.matrix_world), keys))
+        self._meshes = {key: known for key, known in self._meshes.items() if key in meshes}
+        for name in materials:
+            note = self._materials[name][2]
+            if note:
+                self._other_notes.append(note)
+        world, note = read_world(depsgraph.scene_eval.world)
+        if note:
+            self._light_notes.append(note)
+        return SceneData(
+            meshes=meshes,
+            instances=tuple(instances),
+            materials=materials,
+            lights=tuple(lights),
+            world=world,
+            colour=self._colour(depsgraph),
+            transparent=depsgraph.scene_eval.render.film_transparent,
+        )
+
+    def _read_lights(
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        view3d: bpy.types.SpaceView3D | None,
+        scene: SceneData,
+    ) -> SceneData:
+        """Only the lamps and the world again."""
+        wanted = set(self._light_objects)
+        self._light_notes = []
+        lights: list[Light] = []
+        for obj in depsgraph.objects:
+            if obj.type != "LIGHT" or obj.original.session_uid not in wanted:
+                continue
+            if view3d is not None and not obj.original.visible_in_viewport_get(view3d):
+                continue
+            light, note = read_light(obj.data, matrix_array(obj.matrix_world))
+            lights.append(light)
+            if note:
+                self._light_notes.append(note)
+        world, note = read_world(depsgraph.scene_eval.world)
+        if note:
+            self._light_notes.append(note)
+        return SceneData(
+            meshes=scene.meshes,
+            instances=scene.instances,
+            materials=scene.materials,
+            lights=tuple(lights),
+            world=world,
+            colour=self._colour(depsgraph),
+            transparent=depsgraph.scene_eval.render.film_transparent,
+        )
+
+    @staticmethod
+    def _colour(depsgraph: bpy.types.Depsgraph) -> ColourSettings:
+        settings = getattr(depsgraph.scene_eval, "togishi", None)
+        return ColourSettings(
+            observer=getattr(settings, "observer", "cie1931_2"),
+            space=working_space(),
+            adaptation=getattr(settings, "adaptation", "none"),
+        )
+
+    def _object_materials(
+        self, obj: bpy.types.Object, materials: dict[str, Material]
+    ) -> tuple[str, ...]:
+        keys = []
+        for slot in obj.material_slots:
+            material = slot.material
+            key = _NO_MATERIAL if material is None else f"{material.original.session_uid}"
+            keys.append(key)
+            materials[key] = self._material(key, material)
+        if not keys:
+            keys.append(_NO_MATERIAL)
+            materials[_NO_MATERIAL] = self._material(_NO_MATERIAL, None)
+        return tuple(keys)
+
+    def _material(self, key: str, material: bpy.types.Material | None) -> Material:
+        known = self._materials.get(key)
+        if known is not None:
+            return known[1]
+        note = ""
+        data: Material = read_plain(material)
+        if material is not None and properties.is_blade(material):
+            try:
+                maps, note = self._material_maps(material)
+                data = blade_material(properties.material_dict(material), maps)
+            except (native.CoreMissingError, ValueError) as error:
+                note = f"Material {material.name!r}: {error}"
+        uid = -1 if material is None else material.original.session_uid
+        self._materials[key] = (uid, data, note)
+        return data
+
+    def _material_maps(self, material: bpy.types.Material) -> tuple[MapData | None, str]:
+        lobes, shape = properties.blade_images(material)
+        if lobes is None:
+            return None, ""
+        key = (image_key(lobes), None if shape is None else image_key(shape))
+        known = self._maps.get(key)
+        if known is None:
+            try:
+                known = read_maps(lobes, shape)
+            except MapError as error:
+                known = str(error)
+            # Other revisions of the same images are not asked for again.
+            uids = _uids(key)
+            self._maps = {k: v for k, v in self._maps.items() if _uids(k) != uids}
+            self._maps[key] = known
+        if isinstance(known, str):
+            return None, f"Material {material.name!r}: {known}"
+        return known, ""
+
+    def _mesh(
+        self, obj: bpy.types.Object, is_instance: bool, keys: tuple[str, ...]
+    ) -> tuple[str, MeshData | None]:
+        blade_slots = frozenset(
+            slot
+            for slot, key in enumerate(keys)
+            if key in self._materials and isinstance(self._materials[key][1], BladeMaterial)
+        )
+        original, data = obj.original, obj.data
+        users = {original.session_uid}
+        if original.data is not None:
+            users.add(original.data.session_uid)
+        shared = (
+            obj.type == "MESH"
+            and not obj.modifiers
+            and original.mode == "OBJECT"
+            and data.shape_keys is None
+            and original.data is not None
+        )
+        if shared:
+            key = f"mesh {original.data.session_uid} {sorted(blade_slots)}"
+        elif is_instance:
+            # Geometry made by nodes has no identifier of its own; it lives as long as the evaluated data.
+            key = f"instance {original.session_uid} {data.name if data else ''} {sorted(blade_slots)}"
+        else:
+            key = f"object {original.session_uid}"
+        known = self._meshes.get(key)
+        if known is not None and known[0] == blade_slots:
+            return key, known[1]
+        mesh = self._read_geometry(obj, blade_slots)
+        if mesh is not None:
+            self._meshes[key] = (blade_slots, mesh)
+            self._mesh_users[key] = users
+        return key, mesh
+
+    @staticmethod
+    def _read_geometry(obj: bpy.types.Object, blade_slots: frozenset[int]) -> MeshData | None:
+        if obj.type == "MESH":
+            return read_mesh(obj.data, blade_slots)
+        mesh = obj.to_mesh()
+        if mesh is None:
+            return None
+        try:
+            return read_mesh(mesh, blade_slots)
+        finally:
+            obj.to_mesh_clear()
+
+
+def _uids(key: tuple[object, ...]) -> set[object]:
+    return {image[0] for image in key if isinstance(image, tuple)}
