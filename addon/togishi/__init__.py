@@ -15,6 +15,10 @@ from types import ModuleType
 _MODULE_NAMES = (
     "properties",
     "engine",
+    "nodes",
+    "operators",
+    "ui",
+    "cli",
 )
 
 _registered: list[ModuleType] = []

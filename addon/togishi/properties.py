@@ -31,7 +31,7 @@ from bpy.props import (
 from . import blender_versions
 from .core import native, spectrum_spec
 
-MATERIAL_FORMAT = "togishi-material-1"
+MATERIAL_FORMAT = 1
 
 # The parts that have a lobe, in the order in which panels show them: name, label, and which
 # measured constant the part's weight is (docs: chi for the smooth model, beta for the rough one).
@@ -51,7 +51,7 @@ material_edited: list[Callable[[bpy.types.Material], None]] = []
 _updates_held = 0
 
 
-class held_updates:  # noqa: N801 - a context manager, used as a verb
+class held_updates:
     """Within it, edits do not notify; for setting many values at once. Notify once afterwards."""
 
     def __enter__(self) -> None:
@@ -195,8 +195,16 @@ class TogishiLobe(bpy.types.PropertyGroup):
     )
 
 
+def _amount(name: str, default: float, low: float, high: float, description: str) -> Any:
+    return FloatProperty(
+        name=name, description=description, default=default, min=low, max=high, precision=2, step=5
+    )
+
+
 class TogishiPattern(bpy.types.PropertyGroup):
-    """The recipe of the steel pattern that fills the maps. Used when maps are baked."""
+    """The recipe of the steel pattern that fills the maps. Used when maps are baked.
+
+    Every field but the size in texels has the name that togishi_core.steel_pattern takes."""
 
     hamon: EnumProperty(
         name="Hamon",
@@ -206,6 +214,8 @@ class TogishiPattern(bpy.types.PropertyGroup):
             ("notare", "Notare", "Slow waves", 1),
             ("gunome", "Gunome", "Semicircles", 2),
             ("choji", "Choji", "Clove buds", 3),
+            ("ko_choji", "Ko-choji", "Small clove buds", 4),
+            ("midare", "Midare", "Irregular", 5),
         ),
         default="gunome",
     )
@@ -215,8 +225,23 @@ class TogishiPattern(bpy.types.PropertyGroup):
         items=(
             ("itame", "Itame", "Wood grain, irregular", 0),
             ("masame", "Masame", "Straight grain along the blade", 1),
+            ("mokume", "Mokume", "Burl grain", 2),
+            ("ayasugi", "Ayasugi", "Regular waves", 3),
+            ("nashiji", "Nashiji", "Fine, like the skin of a pear", 4),
+            ("muji", "Muji", "None to be seen", 5),
         ),
         default="itame",
+    )
+    boshi: EnumProperty(
+        name="Boshi",
+        description="The hamon in the point",
+        items=(
+            ("komaru", "Ko-maru", "A small round turn-back", 0),
+            ("omaru", "O-maru", "A large round turn-back", 1),
+            ("midare_komi", "Midare-komi", "The hamon's pattern goes on into the point", 2),
+            ("yakizume", "Yakizume", "No turn-back", 3),
+        ),
+        default="komaru",
     )
     seed: IntProperty(
         name="Seed",
@@ -224,6 +249,72 @@ class TogishiPattern(bpy.types.PropertyGroup):
         default=1,
         min=0,
         max=2**31 - 1,
+    )
+    hamon_height_mm: _amount(
+        "Height (mm)", 8.0, 0.5, 40.0, "Mean height of the hamon over the edge at the machi, in mm"
+    )
+    hamon_amplitude: _amount(
+        "Amplitude", 1.0, 0.0, 3.0, "Height of the waves, relative to the style's own"
+    )
+    hamon_scale: _amount(
+        "Wave length",
+        1.0,
+        0.25,
+        4.0,
+        "Length of the waves along the blade, relative to the style's own",
+    )
+    yakidashi_mm: _amount(
+        "Yakidashi (mm)", 35.0, 0.0, 300.0, "Length of the calm start over the ha-machi, in mm"
+    )
+    asymmetry: _amount("Asymmetry", 0.35, 0.0, 1.0, "0: both sides equal; 1: nothing in common")
+    nioiguchi_mm: _amount("Nioiguchi (mm)", 0.45, 0.05, 5.0, "Width of the misty line in mm")
+    nioiguchi: _amount("Nioiguchi", 0.6, 0.0, 1.0, "How much the misty line stands out of the ha")
+    nie: _amount("Nie", 0.5, 0.0, 1.0, "Amount of visible grains")
+    ashi: _amount("Ashi", 0.6, 0.0, 1.0, "Legs from the hamon's valleys towards the edge")
+    yo: _amount("Yo", 0.4, 0.0, 1.0, "Leaves: spots within the ha")
+    sunagashi: _amount(
+        "Sunagashi", 0.5, 0.0, 1.0, "Swept-sand lines in the ha, and the bright kinsuji among them"
+    )
+    utsuri: _amount("Utsuri", 0.25, 0.0, 1.0, "Misty reflection in the ji")
+    boshi_kaeri_mm: _amount(
+        "Kaeri (mm)", 7.0, 0.0, 100.0, "Length of the boshi's turn-back along the mune, in mm"
+    )
+    hada_scale: _amount(
+        "Grain size", 1.0, 0.2, 5.0, "Size of the grain, relative to the style's own"
+    )
+    hada_strength: _amount(
+        "Grain strength", 0.5, 0.0, 1.0, "How much the grain changes the roughness"
+    )
+    hadori: _amount(
+        "Hadori", 0.4, 0.0, 1.0, "Whiteness of the polisher's hadori; 0: sashikomi polish"
+    )
+    hadori_margin_mm: _amount(
+        "Hadori margin (mm)",
+        0.3,
+        0.0,
+        10.0,
+        "Outline of the hadori above the hamon's crests, in mm",
+    )
+    hadori_smoothing_mm: _amount(
+        "Hadori smoothing (mm)",
+        4.5,
+        0.5,
+        30.0,
+        "How far along the blade the hadori's outline ignores the hamon's detail, in mm",
+    )
+    hadori_softness_mm: _amount(
+        "Hadori softness (mm)",
+        3.5,
+        0.1,
+        20.0,
+        "Width in mm over which the hadori fades towards the ji",
+    )
+    stroke_wander_deg: _amount(
+        "Stroke wander (°)",
+        3.0,
+        0.0,
+        20.0,
+        "Standard deviation of the polishing strokes' direction, in degrees",
     )
     width_px: IntProperty(
         name="Width",
@@ -240,12 +331,6 @@ class TogishiPattern(bpy.types.PropertyGroup):
         min=16,
         max=4096,
         subtype="PIXEL",
-    )
-    extra_json: StringProperty(
-        name="Further settings",
-        description="Settings of the pattern that have no field of their own, as JSON",
-        default="{}",
-        options={"HIDDEN"},
     )
 
 
@@ -267,10 +352,20 @@ class TogishiMaterial(bpy.types.PropertyGroup):
         description="The material's name in its file",
         default="",
     )
+    source: StringProperty(
+        name="Source",
+        description="Where the material's values come from: measurement, place, date",
+        default="",
+    )
+    licence: StringProperty(
+        name="Licence",
+        description="Licence of the material's values, such as CC0-1.0",
+        default="",
+    )
     metal: StringProperty(
         name="Metal",
         description="A built-in metal's name",
-        default="iron",
+        default="iron_johnson_christy",
         update=_edited,
     )
     metal_choice: _menu(
@@ -508,6 +603,8 @@ def material_dict(material: bpy.types.Material) -> dict[str, Any]:
         "name": settings.title or material.name,
         "metal": metal_spec(material),
         "weights": settings.weights,
+        "source": settings.source,
+        "licence": settings.licence,
         "parts": parts,
     }
 
@@ -517,6 +614,8 @@ def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> N
     settings = material.togishi
     with held_updates():
         settings.title = values["name"]
+        settings.source = values.get("source", "")
+        settings.licence = values.get("licence", "")
         known = {entry[0] for entry in _metal_entries()}
         if values["metal"] in known:
             settings.metal = values["metal"]
@@ -534,6 +633,13 @@ def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> N
         settings.nakago_albedo = values["parts"]["nakago"]["albedo_rgb"]
         settings.nakago_ior = values["parts"]["nakago"]["ior"]
     notify(material)
+
+
+def set_pattern_dict(material: bpy.types.Material, values: dict[str, Any]) -> None:
+    """Take a recipe (as steel_defaults returns) into the settings."""
+    pattern = material.togishi.pattern
+    for name, value in values.items():
+        setattr(pattern, name, value)
 
 
 def blade_images(

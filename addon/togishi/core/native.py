@@ -26,6 +26,7 @@ REQUIRED = (
     "katana_defaults",
     "steel_pattern",
     "steel_defaults",
+    "encode_lobe",
 )
 
 

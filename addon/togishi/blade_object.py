@@ -1,0 +1,118 @@
+"""A generated katana as a Blender object: mesh, attributes, custom normals, material and recipe."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import properties
+from .core import native
+
+UV_MAP = "togishi_uv"
+MM = 1.0e-3
+
+
+def _attribute(
+    mesh: bpy.types.Mesh, name: str, kind: str, domain: str, field: str, values: Any
+) -> None:
+    attribute = mesh.attributes.new(name, kind, domain)
+    attribute.data.foreach_set(field, np.ascontiguousarray(values).reshape(-1))
+
+
+def fill_mesh(mesh: bpy.types.Mesh, katana: Any, unit_m: float = 1.0) -> None:
+    """Write a togishi_core.Katana into an empty mesh. unit_m: metres per scene unit."""
+    scale = MM / unit_m
+    corners = len(katana.corner_vertex)
+    faces = len(katana.face_part)
+    mesh.vertices.add(len(katana.positions_mm))
+    mesh.vertices.foreach_set("co", (katana.positions_mm * scale).astype(np.float32).reshape(-1))
+    mesh.loops.add(corners)
+    mesh.loops.foreach_set("vertex_index", np.asarray(katana.corner_vertex, np.int32))
+    mesh.polygons.add(faces)
+    mesh.polygons.foreach_set("loop_start", np.asarray(katana.face_start[:-1], np.int32))
+    mesh.update(calc_edges=True)
+    uv = mesh.uv_layers.new(name=UV_MAP, do_init=False)
+    uv.uv.foreach_set("vector", np.ascontiguousarray(katana.corner_uv, np.float32).reshape(-1))
+    _attribute(mesh, "togishi_part", "INT", "FACE", "value", katana.face_part.astype(np.int32))
+    _attribute(
+        mesh,
+        "togishi_tangent",
+        "FLOAT_VECTOR",
+        "CORNER",
+        "vector",
+        katana.corner_tangent.astype(np.float32),
+    )
+    _attribute(mesh, "togishi_s_mm", "FLOAT", "POINT", "value", katana.s_mm.astype(np.float32))
+    _attribute(mesh, "togishi_t_mm", "FLOAT", "POINT", "value", katana.t_mm.astype(np.float32))
+    mesh.normals_split_custom_set(katana.corner_normal)
+    mesh.validate(verbose=False)
+
+
+def make(parameters: Mapping[str, Any], detail: float) -> Any:
+    """The core's blade. Raises togishi_core.InputError with the reason for impossible dimensions."""
+    return native.core().katana(dict(parameters), detail)
+
+
+def new_object(
+    scene: bpy.types.Scene, name: str, katana: Any, parameters: Mapping[str, Any], detail: float
+) -> bpy.types.Object:
+    """An object with the blade's mesh, not yet in a collection."""
+    mesh = bpy.data.meshes.new(name)
+    fill_mesh(mesh, katana, scene.unit_settings.scale_length or 1.0)
+    obj = bpy.data.objects.new(name, mesh)
+    remember(obj, parameters, detail)
+    return obj
+
+
+def remember(obj: bpy.types.Object, parameters: Mapping[str, Any], detail: float) -> None:
+    """Keep the recipe on the object, for editing and for baking its maps."""
+    obj.togishi.katana_json = json.dumps(dict(parameters), sort_keys=True)
+    obj.togishi.detail = detail
+
+
+def new_material(name: str = "Blade steel") -> bpy.types.Material:
+    """A blade material with the core's default values, and its node groups for Cycles and EEVEE."""
+    from .nodes import steel_group
+
+    material = bpy.data.materials.new(name)
+    with properties.held_updates():
+        material.togishi.is_blade = True
+        properties.set_material_dict(material, native.core().default_material())
+        properties.set_pattern_dict(material, native.core().steel_defaults())
+    steel_group.connect(material)
+    return material
+
+
+def blade_material(obj: bpy.types.Object | None) -> bpy.types.Material | None:
+    """The first blade material of an object."""
+    if obj is None:
+        return None
+    for slot in obj.material_slots:
+        if properties.is_blade(slot.material):
+            return slot.material
+    return None
+
+
+def find_blade(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object where it is a blade, else the scene's first blade."""
+    active = context.active_object
+    if active is not None and (blade_material(active) or active.togishi.katana_json):
+        return active
+    for obj in context.scene.objects:
+        if obj.type == "MESH" and (blade_material(obj) or obj.togishi.katana_json):
+            return obj
+    return None
+
+
+def blade_owner(material: bpy.types.Material) -> bpy.types.Object | None:
+    """An object with this material that remembers a generated blade's dimensions."""
+    for obj in bpy.data.objects:
+        if obj.type == "MESH" and obj.togishi.katana_json:
+            for slot in obj.material_slots:
+                if slot.material == material:
+                    return obj
+    return None

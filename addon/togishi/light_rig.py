@@ -1,0 +1,159 @@
+"""Put a light preset around a blade."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+from .core import light_presets, spectrum_spec
+
+COLLECTION = "Togishi lights"
+JI = 1  # shaders/shared/parts.glsl
+
+
+@dataclass(frozen=True)
+class Frame:
+    """How a blade lies to its viewer, in the world."""
+
+    middle: Vector
+    along: Vector  # unit, towards the tip
+    view: Vector  # unit, towards the viewer
+    mirror: Vector  # unit, where a lamp must stand for the ji to flash
+    half_length: float
+
+
+def _ji_normal(obj: bpy.types.Object, view: Vector) -> Vector | None:
+    """Mean normal of the ji on the viewer's side, in the world; None for what is no blade."""
+    mesh = obj.data
+    part = mesh.attributes.get("togishi_part")
+    if part is None or not len(mesh.polygons):
+        return None
+    count = len(mesh.polygons)
+    parts, normals, areas = np.empty(count, np.int32), np.empty(count * 3), np.empty(count)
+    part.data.foreach_get("value", parts)
+    mesh.polygons.foreach_get("normal", normals)
+    mesh.polygons.foreach_get("area", areas)
+    normals = normals.reshape(-1, 3)
+    local_view = np.array(obj.matrix_world.inverted_safe().to_3x3() @ view)
+    chosen = (parts == JI) & (normals @ local_view > 0.0)
+    if not chosen.any():
+        return None
+    mean = Vector((normals[chosen] * areas[chosen, None]).sum(axis=0))
+    return (obj.matrix_world.to_3x3().inverted_safe().transposed() @ mean).normalized()
+
+
+def frame_of(obj: bpy.types.Object, viewer: Vector | None = None) -> Frame:
+    """viewer: where the camera is; without one the blade is looked at square on. Generated blades lie along +x
+    with omote towards +y; of other objects the longest side is the length and the shortest looks at the viewer."""
+    corners = [Vector(corner) for corner in obj.bound_box]
+    low = Vector(map(min, zip(*corners, strict=True)))
+    high = Vector(map(max, zip(*corners, strict=True)))
+    size = high - low
+    matrix = obj.matrix_world
+    middle = matrix @ ((low + high) * 0.5)
+    long_axis = 0 if obj.togishi.katana_json else max(range(3), key=lambda i: size[i])
+    thin_axis = min((i for i in range(3) if i != long_axis), key=lambda i: size[i])
+    basis = matrix.to_3x3()
+    along = basis.col[long_axis].copy()
+    half_length = max(0.5 * size[long_axis] * along.length, 1e-4)
+    along.normalize()
+    out = basis.col[thin_axis].normalized()
+    view = out
+    if viewer is not None and (viewer - middle).length > 1e-6:
+        view = (viewer - middle).normalized()
+        if out.dot(view) < 0.0:
+            out = -out
+    normal = _ji_normal(obj, view) or out
+    return Frame(middle, along, view, view.reflect(normal) * -1.0, half_length)
+
+
+def _aim(obj: bpy.types.Object, position: Vector, target: Vector) -> None:
+    obj.rotation_euler = (target - position).to_track_quat("-Z", "Y").to_euler()
+
+
+def set_spectrum(light: bpy.types.Light, kind: str, temperature_k: float = 0.0) -> None:
+    settings = light.togishi
+    settings.kind = kind
+    if kind == spectrum_spec.BLACKBODY:
+        settings.blackbody_k = temperature_k
+    elif kind == spectrum_spec.DAYLIGHT:
+        settings.daylight_k = temperature_k
+
+
+def clear(scene: bpy.types.Scene) -> None:
+    """Remove the lights that an earlier preset made in this scene."""
+    collection = scene.collection.children.get(COLLECTION)
+    if collection is None:
+        return
+    for obj in list(collection.objects):
+        data = obj.data
+        bpy.data.objects.remove(obj)
+        if isinstance(data, bpy.types.Light) and data.users == 0:
+            bpy.data.lights.remove(data)
+
+
+def add(
+    scene: bpy.types.Scene,
+    target: bpy.types.Object,
+    identifier: str,
+    strength: float = 1.0,
+    set_world: bool = True,
+) -> list[bpy.types.Object]:
+    """Make the preset's lights in their own collection, aimed at the target; returns the objects."""
+    chosen = light_presets.preset(identifier)
+    collection = scene.collection.children.get(COLLECTION)
+    if collection is None:
+        collection = bpy.data.collections.new(COLLECTION)
+        scene.collection.children.link(collection)
+    viewer = scene.camera.matrix_world.translation if scene.camera else None
+    frame = frame_of(target, viewer)
+    half = frame.half_length
+    # Away from the viewer means: turned about the blade's length, the way the mirror direction is turned already.
+    sense = 1.0 if frame.along.dot(frame.view.cross(frame.mirror)) >= 0.0 else -1.0
+    made = []
+    for lamp in chosen.lamps:
+        light = bpy.data.lights.new(f"{chosen.label}: {lamp.name}", lamp.kind)
+        turn = Matrix.Rotation(sense * math.radians(lamp.off_mirror_deg), 3, frame.along)
+        direction = turn @ frame.mirror
+        aim = frame.middle + frame.along * (lamp.along * half)
+        position = aim + direction * (lamp.distance * half)
+        if lamp.kind == "SUN":
+            aim = frame.middle
+            position = aim + (direction + frame.along * lamp.along) * (2.0 * half)
+        if lamp.kind == "SUN":
+            light.energy = lamp.power_w * strength
+            light.angle = 0.0093
+        else:
+            # Irradiance is power over distance squared, in scene units.
+            light.energy = lamp.power_w * strength * (half / 0.5) ** 2
+            light.shadow_soft_size = lamp.radius * half
+        if lamp.kind == "SPOT":
+            light.spot_size = math.radians(lamp.cone_deg)
+            light.spot_blend = lamp.blend
+        set_spectrum(light, lamp.spectrum_kind, lamp.temperature_k)
+        obj = bpy.data.objects.new(light.name, light)
+        obj.location = position
+        _aim(obj, position, aim)
+        collection.objects.link(obj)
+        made.append(obj)
+    if set_world:
+        world = scene.world or bpy.data.worlds.new("World")
+        scene.world = world
+        set_world_grey(world, chosen.world_grey)
+    return made
+
+
+def set_world_grey(world: bpy.types.World, grey: float) -> None:
+    """A uniform grey room of this radiance, in the world's colour and in its Background node."""
+    from . import blender_versions
+
+    world.color = (grey, grey, grey)
+    blender_versions.use_nodes(world)
+    node = next((n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground"), None)
+    if node is not None:
+        node.inputs["Color"].default_value = (grey, grey, grey, 1.0)
+        node.inputs["Strength"].default_value = 1.0

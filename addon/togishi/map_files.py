@@ -1,0 +1,159 @@
+"""Maps in OpenEXR files: one file with channels named as togishi_core.MAP_CHANNELS, by the OpenImageIO that
+official Blender builds carry. Builds without it (Debian's) get two RGBA files through bpy.data.images."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .core import atomic, map_channels
+from .core.map_channels import MapError
+
+F32 = NDArray[np.float32]
+MAX_TEXELS = 16384 * 16384
+
+
+def open_image_io() -> ModuleType | None:
+    """Blender's own OpenImageIO module, or None. In the bpy wheels its folder is not on sys.path."""
+    try:
+        return importlib.import_module("OpenImageIO")
+    except ImportError:
+        pass
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    root = Path(bpy.utils.resource_path("LOCAL")) / "python" / "lib" / version / "site-packages"
+    if not (root / "OpenImageIO").is_dir():
+        return None
+    # At the end: nothing of the running Python may be shadowed by it.
+    sys.path.append(str(root))
+    try:
+        return importlib.import_module("OpenImageIO")
+    except ImportError:
+        return None
+    finally:
+        sys.path.remove(str(root))
+
+
+def _pair(path: Path) -> tuple[Path, Path]:
+    return path.with_suffix(".lobes.exr"), path.with_suffix(".shape.exr")
+
+
+def save(maps: Mapping[str, F32], path: Path) -> list[Path]:
+    """Write maps; returns the files. Rows in the file run downwards, as images do; v = 0 is the last row."""
+    height, width = map_channels.map_size(maps)
+    oiio = open_image_io()
+    if oiio is None:
+        return _save_pair(maps, path)
+    names = list(maps)
+    pixels = np.empty((height, width, len(names)), np.float32)
+    for index, name in enumerate(names):
+        pixels[..., index] = maps[name]
+    spec = oiio.ImageSpec(width, height, len(names), "float")
+    spec.channelnames = tuple(names)
+    spec.attribute("compression", "zip")
+    spec.attribute("oiio:ColorSpace", "Raw")
+    with atomic.replacing(path) as temporary:
+        output = oiio.ImageOutput.create(str(temporary))
+        if output is None:
+            raise OSError(f"{path}: cannot write this kind of file: {oiio.geterror()}")
+        good = output.open(str(temporary), spec)
+        good = good and output.write_image(np.ascontiguousarray(pixels[::-1]))
+        error = output.geterror()
+        if not (output.close() and good):
+            raise OSError(f"{path}: {error or output.geterror()}")
+    return [path]
+
+
+def _save_pair(maps: Mapping[str, F32], path: Path) -> list[Path]:
+    written = []
+    for target, pixels in zip(_pair(path), map_channels.to_images(maps), strict=True):
+        if pixels is None:
+            continue
+        height, width = pixels.shape[:2]
+        # is_data, or Blender would write encoded values.
+        image = bpy.data.images.new(
+            "togishi export", width, height, alpha=True, float_buffer=True, is_data=True
+        )
+        try:
+            image.alpha_mode = "CHANNEL_PACKED"
+            image.pixels.foreach_set(pixels.reshape(-1))
+            image.file_format = "OPEN_EXR"
+            with atomic.replacing(target) as temporary:
+                image.save(filepath=str(temporary))
+        except RuntimeError as error:
+            raise OSError(f"{target}: {error}") from error
+        finally:
+            bpy.data.images.remove(image)
+        written.append(target)
+    return written
+
+
+def load(path: Path) -> dict[str, F32]:
+    """Channel name -> (H, W), rows from v = 0. Raises MapError or OSError naming file, channel and value."""
+    oiio = open_image_io()
+    if oiio is None:
+        return _load_pair(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file")
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise OSError(f"{path}: {oiio.geterror()}")
+    try:
+        spec = source.spec()
+        if spec.width * spec.height > MAX_TEXELS:
+            raise MapError(
+                f"{path}: {spec.width} x {spec.height} texels; at most {MAX_TEXELS} are allowed"
+            )
+        names = list(spec.channelnames)
+        known = {*map_channels.LOBES, *map_channels.SHAPE}
+        if missing := [name for name in map_channels.REQUIRED if name not in names]:
+            raise MapError(
+                f"{path}: channel {missing[0]!r} is missing; the file has {', '.join(names)}; "
+                f"needed are {', '.join(map_channels.REQUIRED)}"
+            )
+        pixels = source.read_image("float")
+        if pixels is None:
+            raise OSError(f"{path}: {source.geterror()}")
+    finally:
+        source.close()
+    rows = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, len(names))[::-1]
+    return {
+        name: np.ascontiguousarray(rows[..., index])
+        for index, name in enumerate(names)
+        if name in known
+    }
+
+
+def _load_pair(path: Path) -> dict[str, F32]:
+    lobes_path, shape_path = _pair(path)
+    if not lobes_path.is_file():
+        if path.is_file():
+            raise MapError(
+                f"{path}: this Blender has no OpenImageIO and cannot read named channels; "
+                f"allowed is a pair {lobes_path.name}, {shape_path.name}"
+            )
+        raise FileNotFoundError(f"{lobes_path}: no such file")
+    read = []
+    for file in (lobes_path, shape_path):
+        if not file.is_file():
+            read.append(None)
+            continue
+        image = bpy.data.images.load(str(file), check_existing=False)
+        try:
+            image.colorspace_settings.name = "Non-Color"
+            image.alpha_mode = "CHANNEL_PACKED"
+            width, height = image.size
+            if image.channels != 4 or not width * height:
+                raise MapError(f"{file}: {image.channels} channels; 4 are needed (RGBA)")
+            pixels = np.empty(width * height * 4, np.float32)
+            image.pixels.foreach_get(pixels)
+            read.append(pixels.reshape(height, width, 4))
+        finally:
+            bpy.data.images.remove(image)
+    return map_channels.from_images(read[0], read[1])

@@ -1,0 +1,25 @@
+"""Operators: each reads settings, calls the core, reports and finishes."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import add_katana, blade_material, connect_nodes, light_preset, map_files, rebake_pattern
+
+_CLASSES = tuple(
+    cls
+    for module in (blade_material, rebake_pattern, map_files, light_preset, connect_nodes)
+    for cls in module.CLASSES
+)
+
+
+def register() -> None:
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    add_katana.register()
+
+
+def unregister() -> None:
+    add_katana.unregister()
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

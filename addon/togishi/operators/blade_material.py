@@ -1,0 +1,130 @@
+"""Assign a blade material; load it from and save it to a TOML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from .. import blade_object, properties
+from ..core import atomic, native
+from ..nodes import steel_group
+
+
+def _material(context: bpy.types.Context) -> bpy.types.Material | None:
+    """The material that is being edited: the active slot's, else the blade's."""
+    obj = context.active_object
+    if obj is not None and properties.is_blade(obj.active_material):
+        return obj.active_material
+    return blade_object.blade_material(blade_object.find_blade(context))
+
+
+class TOGISHI_OT_material_assign(bpy.types.Operator):
+    """Give the selected meshes a blade material; a blade material they have already is kept"""
+
+    bl_idname = "object.togishi_material_assign"
+    bl_label = "Assign Blade Material"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if native.problem():
+            cls.poll_message_set(native.problem())
+            return False
+        return context.active_object is not None and context.active_object.type == "MESH"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        objects = {context.active_object, *context.selected_objects}
+        material = blade_object.blade_material(context.active_object)
+        for obj in objects:
+            if obj.type != "MESH" or blade_object.blade_material(obj) is not None:
+                continue
+            if material is None:
+                material = blade_object.new_material()
+            if obj.material_slots:
+                obj.active_material = material
+            else:
+                obj.data.materials.append(material)
+        return {"FINISHED"}
+
+
+class TOGISHI_OT_material_steel(bpy.types.Operator):
+    """Make this material blade steel"""
+
+    bl_idname = "material.togishi_make_steel"
+    bl_label = "Make Blade Steel"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.active_object
+        return not native.problem() and obj is not None and obj.active_material is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        material = context.active_object.active_material
+        with properties.held_updates():
+            material.togishi.is_blade = True
+            properties.set_material_dict(
+                material, {**native.core().default_material(), "name": material.name}
+            )
+        steel_group.connect(material)
+        return {"FINISHED"}
+
+
+class TOGISHI_OT_material_load(bpy.types.Operator, ImportHelper):
+    """Load a blade material from a TOML file"""
+
+    bl_idname = "material.togishi_load"
+    bl_label = "Load Blade Material"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".toml"
+    filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return not native.problem() and _material(context) is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            values = native.core().load_material(self.filepath)
+        except (native.core().InputError, OSError) as error:
+            self.report({"ERROR"}, f"The material was left as it is: {error}")
+            return {"CANCELLED"}
+        properties.set_material_dict(_material(context), values)
+        return {"FINISHED"}
+
+
+class TOGISHI_OT_material_save(bpy.types.Operator, ExportHelper):
+    """Save this blade material as a TOML file"""
+
+    bl_idname = "material.togishi_save"
+    bl_label = "Save Blade Material"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".toml"
+    filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return not native.problem() and _material(context) is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            text = native.core().material_to_toml(properties.material_dict(_material(context)))
+            atomic.write_text(Path(self.filepath), text)
+        except (native.core().InputError, OSError) as error:
+            self.report({"ERROR"}, f"Nothing was saved: {error}")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Saved {self.filepath}")
+        return {"FINISHED"}
+
+
+CLASSES = (
+    TOGISHI_OT_material_assign,
+    TOGISHI_OT_material_steel,
+    TOGISHI_OT_material_load,
+    TOGISHI_OT_material_save,
+)

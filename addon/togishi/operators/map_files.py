@@ -1,0 +1,86 @@
+"""Import and export of a material's maps as OpenEXR."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from .. import map_files, map_images
+from ..core import native
+from ..core.map_channels import MapError
+from .blade_material import _material
+
+
+class TOGISHI_OT_maps_export(bpy.types.Operator, ExportHelper):
+    """Save the maps of this blade as an OpenEXR file with named channels"""
+
+    bl_idname = "material.togishi_maps_export"
+    bl_label = "Export Maps"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".exr"
+    filter_glob: StringProperty(default="*.exr", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        material = _material(context)
+        return (
+            not native.problem()
+            and material is not None
+            and material.togishi.lobes_image is not None
+        )
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            written = map_files.save(map_images.read(_material(context)), Path(self.filepath))
+        except (MapError, OSError) as error:
+            self.report({"ERROR"}, f"Nothing was saved: {error}")
+            return {"CANCELLED"}
+        self.report({"INFO"}, "Saved " + ", ".join(str(path) for path in written))
+        return {"FINISHED"}
+
+
+class TOGISHI_OT_maps_import(bpy.types.Operator, ImportHelper):
+    """Load maps from an OpenEXR file with named channels, such as `togishi bake` writes"""
+
+    bl_idname = "material.togishi_maps_import"
+    bl_label = "Import Maps"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".exr"
+    filter_glob: StringProperty(default="*.exr", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return not native.problem() and _material(context) is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            map_images.assign(_material(context), map_files.load(Path(self.filepath)))
+        except (MapError, OSError) as error:
+            self.report({"ERROR"}, f"The maps were left as they are: {error}")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class TOGISHI_OT_maps_clear(bpy.types.Operator):
+    """Take the maps off this material; the lobes of its parts apply again"""
+
+    bl_idname = "material.togishi_maps_clear"
+    bl_label = "Remove Maps"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        material = _material(context)
+        return material is not None and material.togishi.lobes_image is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        map_images.clear(_material(context))
+        return {"FINISHED"}
+
+
+CLASSES = (TOGISHI_OT_maps_export, TOGISHI_OT_maps_import, TOGISHI_OT_maps_clear)
