@@ -3,7 +3,7 @@
 All functions release the GIL while they work, and raise `InputError` (a ValueError) naming what is wrong.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -121,15 +121,28 @@ def katana(parameters: Mapping[str, Any], detail: float = 1.0) -> Katana:
 
 # --- steel pattern ------------------------------------------------------------------------------
 
-def steel_defaults() -> dict[str, Any]: ...
+def steel_defaults() -> dict[str, Any]:
+    """Parameters of a blade's pattern; docs/steel.md says what each does, its unit and range."""
+
+def steel_choices() -> dict[str, list[str]]:
+    """The names that "hamon", "boshi" and "hada" allow."""
+
+def steel_ranges() -> dict[str, tuple[float, float]]:
+    """Lowest and highest value of each number of steel_defaults (seed: a whole number from 0 to 2^53)."""
+
 def steel_pattern(
     katana_parameters: Mapping[str, Any],
     material: Mapping[str, Any],
     pattern: Mapping[str, Any],
     width: int,
     height: int,
+    *,
+    progress: Callable[[float], Any] | None = None,
 ) -> dict[str, F32]:
-    """Property maps of a blade: channel name -> (height, width), or (1, 1) where it is constant."""
+    """Property maps of a blade: channel name -> (height, width), or (1, 1) where it is constant.
+
+    pattern: keys of steel_defaults, missing ones take the default. progress: called with the share done, in [0, 1];
+    what it raises passes through, and returning False cancels with InterruptedError."""
 
 # --- reference ----------------------------------------------------------------------------------
 
