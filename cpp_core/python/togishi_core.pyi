@@ -74,8 +74,12 @@ def fresnel_table(
 MAP_CHANNELS: list[str]
 """ji.ln_mu_deg ji.e1 ji.e2 ha.ln_mu_deg ha.e1 ha.e2 w h part"""
 
+def materials() -> list[str]:
+    """Names of the built-in materials, the default first; load_material takes them."""
+
 def load_material(path: str) -> dict[str, Any]:
-    """A blade material (TOML), every field checked. Same keys as material_to_toml takes."""
+    """A blade material (a TOML file, or a built-in name), every field checked.
+    Same keys as material_to_toml takes."""
 
 def default_material() -> dict[str, Any]: ...
 def material_to_toml(material: Mapping[str, Any]) -> str: ...
