@@ -25,10 +25,13 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
     if kind is None:
         kind = LightKind.POINT
         note = f"Light {light.name!r} ({light.type.lower()}) is drawn as a point light of its power."
-    if not getattr(light, "normalize", True) and kind is not LightKind.SUN:
-        # Power is then per area of the lamp, a sphere: what a radius of 1 unit would give.
-        radius = float(getattr(light, "shadow_soft_size", 0.0))
-        power *= 4.0 * math.pi * radius * radius
+    if not getattr(light, "normalize", True):
+        # The number is then per area of the lamp: of a sphere's surface, of the sun's disc seen from here.
+        if kind is LightKind.SUN:
+            power *= math.pi * math.sin(0.5 * float(light.angle)) ** 2
+        else:
+            radius = float(getattr(light, "shadow_soft_size", 0.0))
+            power *= 4.0 * math.pi * radius * radius
     red, green, blue = (float(value) for value in light.color)
     x, y, z = (tuple((directions[:, i] / max(scales[i], 1e-12)).tolist()) for i in range(3))
     return (

@@ -245,6 +245,13 @@ class Renderer:
         self.counters.pictures += 1
         return Picture(size, targets.colour, targets.picture)
 
+    def prepare_lights(self, scene: SceneData) -> None:
+        """Everything that a changed light costs before the next picture: its table row and its block."""
+        self._prepare(scene, shader_source.HALF_MAX, False)
+        for index in range(len(self._passes)):
+            for metal in {steel.material.metal for steel in self._steels}:
+                self._table(metal, scene, index)
+
     def draw_aux(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> AuxPicture:
         """Depth and part id at the pixels' centres."""
         self._upload(scene)
@@ -285,6 +292,7 @@ class Renderer:
                 with targets.surface.bind():
                     self._draw_surfaces(space)
                 with framebuffer.bind():
+                    _screen_state()
                     for steel in self._steels:
                         source = shader_source.steel_inputs_program(
                             steel.variant, many=len(self._steels) > 1
@@ -292,19 +300,22 @@ class Renderer:
                         self._bind_screen(source, steel, targets, (-1.0, -1.0, 1.0, 1.0))
                         self._rectangle().draw(self._shader(source))
         read = dict(zip(names, (read_texture(texture) for texture in textures), strict=True))
+        # 0: nothing there, else 1 + part + 8 steel.
+        code = np.rint(read["tangent"][..., 3]).astype(np.int32) - 1
+        hadori = (read["ha"][..., 3], read["normal"][..., 3], read["view"][..., 3])
         return Gbuffer(
-            covered=read["normal"][..., 3] > 0.5,
+            covered=code >= 0,
             normal=read["normal"][..., :3],
             tangent=read["tangent"][..., :3],
             view=read["view"][..., :3],
             position=read["position"][..., :3],
             lobe_ji=read["ji"][..., :3],
-            lobe_hadori=read["hadori"][..., :3],
+            lobe_hadori=np.stack(hadori, axis=-1),
             lobe_ha=read["ha"][..., :3],
             w=read["ji"][..., 3],
             h=read["position"][..., 3],
-            part=np.rint(read["tangent"][..., 3]).astype(np.int32),
-            steel=np.rint(read["view"][..., 3]).astype(np.int32),
+            part=np.where(code >= 0, code % 8, 0),
+            steel=np.where(code >= 0, code // 8, 0),
             materials=tuple(steel.key for steel in self._steels),
         )
 
@@ -393,9 +404,7 @@ class Renderer:
     def _light_steels(
         self, scene: SceneData, space: ViewSpace, targets: _Targets, index: int
     ) -> None:
-        # The rectangle lies at the far end, so this test passes where steel is.
-        gpu.state.depth_test_set("GREATER")
-        gpu.state.depth_mask_set(False)
+        _screen_state()
         gpu.state.blend_set("NONE" if index == 0 else "ADDITIVE")
         for steel in self._steels:
             bounds = [(item.mesh.low, item.mesh.high, item.instance.matrix) for item in steel.items]
@@ -638,6 +647,13 @@ def _material(
 ) -> tuple[str, BladeMaterial | PlainMaterial]:
     key = instance.materials[min(slot, len(instance.materials) - 1)]
     return key, scene.materials[key]
+
+
+def _screen_state() -> None:
+    # The rectangle lies at the far end, so this test passes where steel is.
+    gpu.state.blend_set("NONE")
+    gpu.state.depth_test_set("GREATER")
+    gpu.state.depth_mask_set(False)
 
 
 def _solid_state() -> None:
