@@ -10,7 +10,7 @@
 namespace togishi {
 namespace {
 
-constexpr double sample_step_mm = 0.2;
+constexpr double sample_step_mm = 0.25;
 
 // The stretch that an arc length of the mune line falls in, and its q there.
 std::pair<Stretch, double> find(const KatanaShape& shape, double arc) {
@@ -112,9 +112,9 @@ std::vector<double> limit_slope(const std::vector<double>& target,
     return upper;
 }
 
-// Running mean over 3 mm: turns kinks into bends, which a map follows.
+// Running mean over some 3 mm: turns kinks into bends, which a map follows.
 std::vector<double> smooth(const std::vector<double>& values) {
-    constexpr int half = 7;
+    constexpr int half = 6;
     const auto n = static_cast<std::ptrdiff_t>(values.size());
     std::vector<double> result(values.size());
     for (std::ptrdiff_t i = 0; i < n; ++i) {
@@ -133,6 +133,25 @@ struct Development {
     std::vector<double> s_mm;  // at samples, from 0
     double worst = 1e9;        // largest |singular value - 1| from machi to tip
 };
+
+// Largest (singular value - 1) and largest (1 - singular value) of the map into the chart at one
+// arc length.
+template <typename Fits>
+glm::dvec2 over_and_under(const Metric& metric, const Fits& fits, double ds, double skew) {
+    glm::dvec2 worst(0);
+    for (const Metric::Point& p : metric.points) {
+        // Derivatives of (x, t) along two unit vectors of the surface at right angles.
+        const double x1 = 1 + (ds - fits(p)) / p.length;
+        const double x2 = p.beyond < 0 ? 0 : -skew;
+        const double t1 = -p.shear / p.length;
+        const double sum = x1 * x1 + x2 * x2 + t1 * t1 + 1;
+        const double determinant = x1 - x2 * t1;
+        const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
+        worst.x = std::max(worst.x, std::sqrt(0.5 * (sum + root)) - 1);
+        worst.y = std::max(worst.y, 1 - std::sqrt(std::max(0.0, 0.5 * (sum - root))));
+    }
+    return worst;
+}
 
 // share: how much of the shear is turned away; spent: the stretch along the edge that turning may
 // cost.
@@ -166,20 +185,15 @@ Development develop(const std::vector<Metric>& metric, const std::vector<double>
             least = std::min(least, fits(p));
             most = std::max(most, fits(p));
         }
-        const double ds = 0.5 * (least + most);
-        d.s_mm[i + 1] = d.s_mm[i] + step * ds;
-        if (arc_mm[i] < 0) continue;
-        for (const Metric::Point& p : metric[i].points) {
-            // Derivatives of (x, t) along two unit vectors of the surface at right angles.
-            const double x1 = 1 + (ds - fits(p)) / p.length;
-            const double x2 = p.beyond < 0 ? 0 : -skew;
-            const double t1 = -p.shear / p.length;
-            const double sum = x1 * x1 + x2 * x2 + t1 * t1 + 1;
-            const double determinant = x1 - x2 * t1;
-            const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
-            d.worst = std::max({d.worst, std::sqrt(0.5 * (sum + root)) - 1,
-                                1 - std::sqrt(std::max(0.0, 0.5 * (sum - root)))});
+        double ds = 0.5 * (least + most);
+        if (arc_mm[i] >= 0) {
+            // Turned parts stretch one way more than the other: even that out.
+            const glm::dvec2 first = over_and_under(metric[i], fits, ds, skew);
+            ds *= 1 - 0.5 * (first.x - first.y);
+            const glm::dvec2 range = over_and_under(metric[i], fits, ds, skew);
+            d.worst = std::max({d.worst, range.x, range.y});
         }
+        d.s_mm[i + 1] = d.s_mm[i] + step * ds;
     }
     return d;
 }
@@ -233,8 +247,8 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
     // How far and how fast to turn the sides: by whichever stretches the chart least at its worst
     // place.
     Development best;
-    for (const double share : {0.5, 0.7, 0.85, 1.0}) {
-        for (const double spent : {0.003, 0.005, 0.007, 0.009, 0.012, 0.016, 0.022}) {
+    for (const double share : {0.5, 0.75, 1.0}) {
+        for (const double spent : {0.004, 0.006, 0.008, 0.011, 0.016}) {
             Development tried = develop(metric, sample_arc_mm_, share, spent);
             if (tried.worst < best.worst) best = std::move(tried);
         }

@@ -29,7 +29,7 @@ Dual conic(const Dual& x, double start, double slope, double reach, double weigh
 
 // From 0 to 1 on [0, 1]: its slope rises smoothly from 0 over the first part, then stays.
 Dual eased_fall(const Dual& x) {
-    constexpr double rise = 0.45;
+    constexpr double rise = 0.35;
     constexpr double slope = 1 / (1 - 0.5 * rise);
     if (x.v >= rise) return Dual(slope) * (x - Dual(0.5 * rise));
     const Dual z = x / Dual(rise);
@@ -40,7 +40,7 @@ constexpr double fukura_weight = 0.86;
 constexpr double width_funbari = 0.5;
 constexpr double kasane_funbari = 0.25;
 // Part of the shinogi's mean fall in the kissaki with which the ko-shinogi leaves the mitsukado.
-constexpr double ko_shinogi_break = 0.45;
+constexpr double ko_shinogi_break = 0.6;
 
 double clamp_reach(double reach) {
     return std::clamp(reach, 0.05, 0.9);
@@ -51,7 +51,13 @@ double clamp_reach(double reach) {
 KatanaShape::KatanaShape(const KatanaParameters& parameters)
     : p_((check_katana(parameters, "katana"), parameters)),
       line_(p_.nagasa_mm, p_.sori_mm, p_.sori_type, p_.nakago_mm) {
-    yokote_arc_mm_ = line_.blade_arc_mm() - p_.kissaki_mm;
+    // The kissaki's length is a straight line, the mune there an arc.
+    const glm::dvec2 tip = line_.at(line_.blade_arc_mm()).position_mm;
+    double arc = p_.kissaki_mm;
+    for (int i = 0; i < 8; ++i) {
+        arc *= p_.kissaki_mm / glm::distance(tip, line_.at(line_.blade_arc_mm() - arc).position_mm);
+    }
+    yokote_arc_mm_ = line_.blade_arc_mm() - arc;
     const double half = 0.5 * p_.motokasane_mm;
     iori_slope_ = p_.mune == MuneType::kaku ? 0 : p_.mune_height_mm / half;
     if (has_shinogi()) {
@@ -117,7 +123,7 @@ Section KatanaShape::blade_section(const Dual& arc) const {
 }
 
 Section KatanaShape::kissaki_section(const Dual& arc) const {
-    const double length = p_.kissaki_mm;
+    const double length = line_.blade_arc_mm() - yokote_arc_mm_;
     const Dual x = (arc - Dual(yokote_arc_mm_)) / Dual(length);
     const Section start = blade_section(Dual::along(yokote_arc_mm_));
     Section s;

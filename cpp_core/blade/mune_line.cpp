@@ -25,10 +25,10 @@ MuneLine::MuneLine(double nagasa_mm, double sori_mm, SoriType type, double nakag
             c2_ = -4.0;
             break;
         case SoriType::koshi:
-            c1_ = -1.5;
+            c1_ = -1.8;
             break;
         case SoriType::saki:
-            c1_ = 1.5;
+            c1_ = 1.8;
             break;
     }
     blade_arc_mm_ = 1;
