@@ -51,13 +51,9 @@ const char* const lights_of_the_comparison[] = {"E",
                                                 "daylight:25000",
                                                 "blackbody:2000",
                                                 "blackbody:3200",
-                                                "blackbody:10000",
-                                                "line:436",
-                                                "line:480.3",
-                                                "line:546.1",
-                                                "line:577.5",
-                                                "line:589.3",
-                                                "line:632.8"};
+                                                "blackbody:10000"};
+const char* const lines_of_the_comparison[] = {"line:436",   "line:480.3", "line:546.1",
+                                               "line:577.5", "line:589.3", "line:632.8"};
 
 glm::vec3 narrowed(const glm::dvec3& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -228,11 +224,16 @@ struct Worst {
     double angle_deg = 0.0;
 };
 
+// A method's errors over a set of lights.
+struct Errors {
+    Worst de00;
+    double xyz_rel = 0.0;  // largest error of X, Y or Z over Y against the 61-sample sum in double
+};
+
 struct Comparison {
-    std::vector<double> xyz_rel;    // per method: largest error of X, Y or Z over Y against the
-                                    // 61-sample sum in double
-    std::vector<Worst> simplified;  // per method
-    Worst grid;                     // 61 samples in double against 1 nm: accuracy.grid_de00
+    Worst grid;                        // 61 samples in double against 1 nm: accuracy.grid_de00
+    std::vector<Errors> under_lights;  // per method
+    std::vector<Errors> under_lines;   // per method, under spectral lines
 };
 
 void keep_worst(Worst& worst, double delta_e, const Pair& pair, double angle_deg) {
@@ -277,7 +278,7 @@ struct Reflecting {
 };
 
 void compare_pair(const Pair& pair, const Reflecting& metal, const std::vector<Method>& all,
-                  Comparison& result) {
+                  Worst& grid, std::vector<Errors>& errors) {
     const glm::dvec3 lab_white = lab_white_of(pair);
     auto error = [&](const glm::dvec3& xyz, const glm::dvec3& truth) {
         return delta_e00(lab_from_xyz(xyz, lab_white), lab_from_xyz(truth, lab_white));
@@ -291,7 +292,7 @@ void compare_pair(const Pair& pair, const Reflecting& metal, const std::vector<M
         truth.push_back(weights_full.xyz(metal.on_full[a]));
         on_61.push_back(weights_61.xyz(metal.on_61[a]));
         cosines.push_back(static_cast<float>(cosine(a)));
-        keep_worst(result.grid, error(on_61[a], truth[a]), pair, angle_deg(a));
+        keep_worst(grid, error(on_61[a], truth[a]), pair, angle_deg(a));
     }
     const glm::dmat3 xyz_from_rgb = glm::inverse(pair.rgb_from_xyz);
     std::vector<glm::vec3> rgb(cosines.size());
@@ -299,9 +300,9 @@ void compare_pair(const Pair& pair, const Reflecting& metal, const std::vector<M
         all[m].prepare(pair)(cosines, rgb.data());
         for (std::size_t a = 0; a < angle_count; ++a) {
             const glm::dvec3 xyz = xyz_from_rgb * glm::dvec3(rgb[a]);
-            keep_worst(result.simplified[m], error(xyz, truth[a]), pair, angle_deg(a));
+            keep_worst(errors[m].de00, error(xyz, truth[a]), pair, angle_deg(a));
             const glm::dvec3 off = glm::abs(xyz - on_61[a]) / on_61[a].y;
-            result.xyz_rel[m] = std::max({result.xyz_rel[m], off.x, off.y, off.z});
+            errors[m].xyz_rel = std::max({errors[m].xyz_rel, off.x, off.y, off.z});
         }
     }
 }
@@ -401,17 +402,23 @@ int main(int argc, char** argv) {
     const int rounds = argc > 1 ? std::max(3, std::atoi(argv[1])) : 31;
     const auto all = methods();
     Comparison comparison;
-    comparison.simplified.resize(all.size());
-    comparison.xyz_rel.resize(all.size());
+    comparison.under_lights.resize(all.size());
+    comparison.under_lines.resize(all.size());
     for (const auto& metal : builtin_metals()) {
         const Reflecting reflecting{reflectances(*metal, grid_full), reflectances(*metal, grid_61)};
         for (const auto* light : lights_of_the_comparison) {
-            compare_pair(pair_of(metal, light), reflecting, all, comparison);
+            compare_pair(pair_of(metal, light), reflecting, all, comparison.grid,
+                         comparison.under_lights);
+        }
+        for (const auto* line : lines_of_the_comparison) {
+            compare_pair(pair_of(metal, line), reflecting, all, comparison.grid,
+                         comparison.under_lines);
         }
         // The hardest spectra for a grid, wherever they fall between its samples.
         for (int nm = 400; nm < 700; ++nm) {
-            compare_pair(pair_of(metal, "line:" + std::to_string(nm) + ".5"), reflecting, {},
-                         comparison);
+            const auto line = "line:" + std::to_string(nm) + ".5";
+            compare_pair(pair_of(metal, line), reflecting, {}, comparison.grid,
+                         comparison.under_lines);
         }
     }
     float sink = 0.0F;
@@ -428,8 +435,11 @@ int main(int argc, char** argv) {
     std::printf(",\n \"methods\": {\n");
     for (std::size_t m = 0; m < all.size(); ++m) {
         std::printf("  \"%s\": {", all[m].name.c_str());
-        print_worst("worst", comparison.simplified[m]);
-        std::printf(", \"xyz_rel\": %.3g, ", comparison.xyz_rel[m]);
+        for (const auto& [key, errors] : {std::pair{"lights", comparison.under_lights[m]},
+                                          std::pair{"lines", comparison.under_lines[m]}}) {
+            print_worst(key, errors.de00);
+            std::printf(", \"%s_xyz_rel\": %.3g, ", key, errors.xyz_rel);
+        }
         print_timing("ns", timings[m]);
         std::printf("}%s\n", m + 1 < all.size() ? "," : "");
     }
