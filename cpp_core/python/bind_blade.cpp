@@ -6,9 +6,11 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "blade/katana_file.hpp"
 #include "blade/katana_mesh.hpp"
 #include "python/blade_parameters.hpp"
 #include "python/module.hpp"
+#include "spectral/embedded_data.hpp"
 
 namespace py = pybind11;
 
@@ -102,6 +104,25 @@ void bind_blade(py::module_& m) {
         "katana_defaults",
         [](const std::string& zukuri) { return to_python(katana_defaults(zukuri)); },
         py::arg("zukuri") = "shinogi", "Ordinary dimensions of a blade: shinogi, hira or shobu.");
+    m.def(
+        "katana_presets",
+        [] {
+            constexpr std::string_view folder = "blades/";
+            py::dict presets;
+            for (const EmbeddedFile& file : embedded_files()) {
+                if (!file.path.starts_with(folder)) continue;
+                const KatanaPreset preset = parse_katana_preset(file.text, file.path);
+                const std::string_view name = file.path.substr(folder.size());
+                py::dict entry;
+                entry["title"] = preset.title;
+                entry["source"] = preset.source;
+                entry["licence"] = preset.licence;
+                entry["parameters"] = to_python(preset.parameters);
+                presets[py::str(std::string(name.substr(0, name.rfind('.'))))] = entry;
+            }
+            return presets;
+        },
+        "Built-in blades: name -> title, source, licence, parameters (keys of katana_defaults).");
     m.def(
         "katana",
         [](const py::object& parameters, double detail) {

@@ -120,6 +120,9 @@ class Katana:
     measures: dict[str, float]  # what was asked for, measured again on the mesh: nagasa_mm, sori_mm, ...
 
 def katana_defaults(zukuri: str = "shinogi") -> dict[str, Any]: ...
+def katana_presets() -> dict[str, dict[str, Any]]:
+    """Built-in blades: name -> {"title", "source", "licence", "parameters"}, the latter for katana()."""
+
 def katana(parameters: Mapping[str, Any], detail: float = 1.0) -> Katana:
     """Keys as katana_defaults returns; unknown keys and impossible dimensions raise InputError with the reason."""
 

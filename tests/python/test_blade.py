@@ -104,7 +104,7 @@ def test_every_part_is_there():
         ("zukuri", 3, "zukuri"),
         ("length", 700, "nagasa_mm"),
         (3, 700, "a string"),
-        ("kissaki_mm", 700, "part of the blade"),
+        ("kissaki_mm", 390, "part of the blade"),
     ],
 )
 def test_refusals(key, value, said):
@@ -116,3 +116,12 @@ def test_refusals(key, value, said):
 def test_parameters_must_be_a_mapping():
     with pytest.raises((TypeError, ValueError)):
         tc.katana(3)
+
+
+def test_presets_build():
+    presets = tc.katana_presets()
+    assert {"katana", "wakizashi", "o_kissaki", "tanto"} <= set(presets)
+    for preset in presets.values():
+        assert preset["title"] and preset["source"] and preset["licence"]
+        measures = tc.katana(preset["parameters"], 0.1).measures
+        assert measures["nagasa_mm"] == pytest.approx(preset["parameters"]["nagasa_mm"], abs=0.05)
