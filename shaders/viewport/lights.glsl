@@ -44,8 +44,12 @@ vec3 table_rgb(int row, float cos_theta) {
     return mix(table.rgb[at].xyz, table.rgb[at + 1].xyz, p - float(i));
 }
 
-// What leaves a shader is finite and fits the target: NaN becomes 0.
+// What leaves a shader is finite and fits the target: NaN becomes 0. Negative values stay: a sodium lamp lies
+// outside of Rec.709, and cutting its blue off would change its colour before the view transform sees it.
+float finite_channel(float c) {
+    return abs(c) < TG_OUTPUT_MAX ? c : (c > 0.0 ? TG_OUTPUT_MAX : (c < 0.0 ? -TG_OUTPUT_MAX : 0.0));
+}
+
 vec3 finite_output(vec3 c) {
-    return vec3(c.x > 0.0 ? min(c.x, TG_OUTPUT_MAX) : 0.0, c.y > 0.0 ? min(c.y, TG_OUTPUT_MAX) : 0.0,
-                c.z > 0.0 ? min(c.z, TG_OUTPUT_MAX) : 0.0);
+    return vec3(finite_channel(c.x), finite_channel(c.y), finite_channel(c.z));
 }

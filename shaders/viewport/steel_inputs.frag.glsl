@@ -11,15 +11,19 @@ void main() {
     }
 #endif
     SteelPixel p = steel_pixel(surface, at);
-    out_normal = vec4(p.axes.normal, 1.0);
-    out_tangent = vec4(p.axes.tangent, float(p.part));
-    out_view = vec4(p.view, object_state.y);
+    Lobe hadori;
+#ifdef TG_HADORI
+    hadori = p.hadori;
+#else
+    hadori.ln_mu_deg = 0.0;
+    hadori.e1 = 0.0;
+    hadori.e2 = 0.0;
+#endif
+    // Blender binds six targets at most, so the hadori's lobe fills what the others leave free.
+    out_normal = vec4(p.axes.normal, hadori.e1);
+    out_tangent = vec4(p.axes.tangent, 1.0 + float(p.part) + 8.0 * object_state.y);
+    out_view = vec4(p.view, hadori.e2);
     out_position = vec4(p.position, p.h);
     out_ji = vec4(p.ji.ln_mu_deg, p.ji.e1, p.ji.e2, p.w);
-    out_ha = vec4(p.ha.ln_mu_deg, p.ha.e1, p.ha.e2, 0.0);
-#ifdef TG_HADORI
-    out_hadori = vec4(p.hadori.ln_mu_deg, p.hadori.e1, p.hadori.e2, 0.0);
-#else
-    out_hadori = vec4(0.0);
-#endif
+    out_ha = vec4(p.ha.ln_mu_deg, p.ha.e1, p.ha.e2, hadori.ln_mu_deg);
 }

@@ -13,9 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import togishi_core
+from togishi.core import packing
 from togishi.core.scene_data import (
     BladeMaterial,
     Camera,
+    ColourSettings,
     Instance,
     Light,
     LightKind,
@@ -25,6 +27,7 @@ from togishi.core.scene_data import (
     PlainMaterial,
     SceneData,
     SteelMaterial,
+    World,
 )
 
 PART_JI, PART_HA = 1, 3
@@ -124,11 +127,10 @@ def tile_scene(
     incidence_deg: float,
     *,
     point_light: bool,
+    room: float = 0.0,
     space: str = "rec709",
 ) -> tuple[SceneData, Camera, tuple[int, int]]:
-    """Columns: metals; rows: LOBES. One light."""
-    from togishi.core.scene_data import ColourSettings
-
+    """Columns: metals; rows: LOBES. One light, and a room of this radiance under the same spectrum."""
     mirror, to_light = directions(incidence_deg)
     meshes, materials, instances = {}, {}, []
     for row, lobe in enumerate(LOBES):
@@ -158,6 +160,119 @@ def tile_scene(
         materials=materials,
         instances=tuple(instances),
         lights=(light,),
+        world=World((room,) * 3, spectrum),
         colour=ColourSettings(space=space),
     )
     return scene, *wall_camera(len(metals), len(LOBES))
+
+
+# --- a blade --------------------------------------------------------------------------------------
+
+
+def look_at(
+    eye: np.ndarray, target: np.ndarray, up: np.ndarray, half_angle_deg: float, aspect: float
+) -> Camera:
+    """Perspective; half_angle_deg: half the picture's width."""
+    back = (eye - target) / np.linalg.norm(eye - target)
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    rotation = np.stack([right, np.cross(back, right), back])
+    view = np.eye(4)
+    view[:3, :3] = rotation
+    view[:3, 3] = -rotation @ eye
+    scale = 1 / math.tan(math.radians(half_angle_deg))
+    near, far = 0.01, 100.0
+    projection = np.zeros((4, 4))
+    projection[0, 0], projection[1, 1] = scale, scale * aspect
+    projection[2, 2] = -(far + near) / (far - near)
+    projection[2, 3] = -2 * far * near / (far - near)
+    projection[3, 2] = -1.0
+    return Camera(view, projection)
+
+
+def blade_mesh() -> MeshData:
+    """The generated katana in metres, as the add-on hands it to the renderer."""
+    blade = togishi_core.katana(togishi_core.katana_defaults())
+    counts = np.diff(blade.face_start)
+    triangles, faces = [], []
+    for offset in (0, 1):
+        # A quad gives (0, 1, 2) and (0, 2, 3), a triangle the first alone.
+        face = np.flatnonzero(counts > 2 + offset)
+        first = blade.face_start[face]
+        triangles.append(np.column_stack([first, first + 1 + offset, first + 2 + offset]))
+        faces.append(face)
+    return packing.build_mesh(
+        (blade.positions_mm / 1000).astype(np.float32),
+        blade.corner_vertex,
+        np.concatenate(triangles).astype(np.int32),
+        np.concatenate(faces).astype(np.int32),
+        blade.corner_normal,
+        blade.face_part,
+        None,
+        blade.corner_uv,
+        blade.corner_tangent,
+        frozenset({0}),
+    )
+
+
+def blade_maps(width: int, height: int) -> MapData:
+    """Hamon, hada, hadori and strokes of the default blade at this size."""
+    channels = togishi_core.steel_pattern(
+        togishi_core.katana_defaults(),
+        togishi_core.default_material(),
+        togishi_core.steel_defaults(),
+        width,
+        height,
+    )
+
+    def plane(name: str) -> np.ndarray:
+        return np.broadcast_to(channels.get(name, np.zeros((1, 1), np.float32)), (height, width))
+
+    lobes = np.stack([plane(n) for n in ("ji.ln_mu_deg", "ha.ln_mu_deg", "w", "h")], axis=-1)
+    shape = np.stack([plane(n) for n in ("ji.e1", "ji.e2", "ha.e1", "ha.e2")], axis=-1)
+    anisotropic = bool(np.abs(shape).max() > 0)
+    return packing.map_data(
+        *togishi_core.pack_mip_atlas(
+            np.ascontiguousarray(lobes), np.ascontiguousarray(shape) if anisotropic else None
+        )
+    )
+
+
+def blade_scene(size: tuple[int, int]) -> tuple[SceneData, Camera, tuple[int, int]]:
+    """A close view of the blade's middle with its maps. Nine lamps, each where some point of the blade mirrors it into
+    the camera, so that most of the blade shines."""
+    from togishi.core import materials
+
+    material = materials.blade_material(togishi_core.default_material(), blade_maps(2048, 256))
+    middle = np.array([0.3, 0.0, 0.0])
+    eye = middle + np.array([0.05, 1.0, 0.12])
+    mesh = blade_mesh()
+    place = mesh.position.astype(np.float64)
+    normal = mesh.normal_part[:, :3].astype(np.float64)
+    seen = (np.abs(place[:, 0] - middle[0]) < 0.045) & (normal[:, 1] > 0.3)
+    assert seen.sum() >= 9, "the blade's middle has vertices on the side that is seen"
+    centre = (place[seen].min(axis=0) + place[seen].max(axis=0)) / 2
+    camera = look_at(eye, centre, np.array([0.0, 0.0, 1.0]), 1.6, size[0] / size[1])
+    chosen = np.flatnonzero(seen)[np.linspace(0, seen.sum() - 1, 9).astype(int)]
+    spectra = ("D65", "A", "FL11")
+    lamps = []
+    for number, vertex in enumerate(chosen):
+        view = eye - place[vertex]
+        view /= np.linalg.norm(view)
+        towards = 2 * np.dot(normal[vertex], view) * normal[vertex] - view
+        lamp = place[vertex] + 1.5 * towards
+        lamps.append(
+            Light(
+                LightKind.POINT,
+                position=tuple(lamp.tolist()),
+                power=10.0,
+                spectrum=spectra[number % len(spectra)],
+            )
+        )
+    scene = SceneData(
+        meshes={"blade": mesh},
+        materials={"steel": material},
+        instances=(Instance("blade", np.eye(4), ("steel",)),),
+        lights=tuple(lamps),
+    )
+    return scene, camera, size

@@ -11,6 +11,8 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "blender"))
 
+import bpy  # the wheel: only then can gpu and the add-on's engine be imported
+import gpu
 from gpu_context import ensure_gpu_context
 
 BYTES_PER_CHANNEL = {"8": 1, "16": 2, "16F": 2, "32": 4, "32F": 4}
@@ -18,9 +20,6 @@ BYTES_PER_CHANNEL = {"8": 1, "16": 2, "16F": 2, "32": 4, "32F": 4}
 
 def start() -> dict[str, str]:
     """A GPU context; what it runs on."""
-    import bpy
-    import gpu
-
     ensure_gpu_context()
     return {
         "GPU": f"{gpu.platform.renderer_get()}, {gpu.platform.version_get()}",

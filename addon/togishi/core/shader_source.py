@@ -289,7 +289,7 @@ def steel_light_program(
     )
 
 
-INPUT_TARGETS = ("normal", "tangent", "view", "position", "ji", "ha", "hadori")
+INPUT_TARGETS = ("normal", "tangent", "view", "position", "ji", "ha")
 
 
 @cache

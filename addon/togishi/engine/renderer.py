@@ -351,7 +351,7 @@ class Renderer:
             return (0.0, 0.0, 0.0, 1.0)
         light = self.tables.light_rgb(scene.world.spectrum, scene.colour)
         red, green, blue = (
-            min(max(a * b, 0.0), output_max)
+            min(max(a * b, -output_max), output_max)
             for a, b in zip(light, scene.world.radiance, strict=True)
         )
         return (red, green, blue, 1.0)
