@@ -103,8 +103,18 @@ def add(
     strength: float = 1.0,
     set_world: bool = True,
 ) -> list[bpy.types.Object]:
-    """Make the preset's lights in their own collection, aimed at the target; returns the objects."""
-    chosen = light_presets.preset(identifier)
+    """Make a preset's lights in their own collection, aimed at the target; returns the objects."""
+    return add_lamps(scene, target, light_presets.preset(identifier), strength, set_world)
+
+
+def add_lamps(
+    scene: bpy.types.Scene,
+    target: bpy.types.Object,
+    chosen: light_presets.LightPreset,
+    strength: float = 1.0,
+    set_world: bool = True,
+) -> list[bpy.types.Object]:
+    """The same for lamps that stand in no list of presets."""
     collection = scene.collection.children.get(COLLECTION)
     if collection is None:
         collection = bpy.data.collections.new(COLLECTION)
