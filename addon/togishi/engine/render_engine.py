@@ -88,9 +88,8 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         self._tell(list(renderer.tables.problems.values()))
         if picture is None:
             return
-        cropped = scene.render.use_border and scene.render.use_crop_to_border
-        corner = (0, 0) if cropped else (region.x, region.y)
-        result = self.begin_result(*corner, region.width, region.height, layer=layer.name)
+        # Counted from the border's corner, whether the picture is cropped to it or not.
+        result = self.begin_result(0, 0, region.width, region.height, layer=layer.name)
         passes = result.layers[0].passes
         for name, values in (
             ("Combined", picture.colour),

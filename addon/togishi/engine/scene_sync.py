@@ -85,7 +85,7 @@ class SceneSync:
                 # A material's own tree comes together with its material.
                 continue
             only_lights = False
-            uid = changed.session_uid
+            uid = changed.original.session_uid
             if update.is_updated_geometry:
                 for key in [k for k, users in self._mesh_users.items() if uid in users]:
                     self._meshes.pop(key, None)

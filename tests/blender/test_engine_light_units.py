@@ -1,0 +1,160 @@
+"""The power scale: a grey card under one lamp has the value that Cycles gives it, within 2 %."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.gpu
+
+
+def point(light, obj):
+    light.energy, light.shadow_soft_size = 100.0, 0.05
+    obj.location = (0.0, 0.0, 2.0)
+
+
+def coloured_point(light, obj):
+    light.energy, light.shadow_soft_size = 37.0, 0.0
+    light.color = (1.0, 0.5, 0.2)
+    obj.location = (0.7, 0.2, 1.3)
+
+
+def sun(light, obj):
+    light.energy = 3.0
+    obj.rotation_euler = (math.radians(40.0), 0.0, 0.0)
+
+
+def spot(light, obj):
+    light.energy, light.shadow_soft_size = 100.0, 0.0
+    light.spot_size, light.spot_blend = math.radians(60.0), 0.5
+    obj.location = (0.0, 0.0, 2.0)
+
+
+def spot_edge(light, obj):
+    spot(light, obj)
+    obj.location = (0.9, 0.0, 2.0)
+
+
+def spot_turned(light, obj):
+    spot(light, obj)
+    obj.location = (1.2, -0.4, 1.5)
+    obj.rotation_euler = (0.25, 0.5, 0.3)
+    light.spot_blend = 1.0
+
+
+def spot_scaled(light, obj):
+    spot(light, obj)
+    light.spot_blend = 0.7
+    obj.location, obj.scale = (0.9, 0.2, 2.0), (1.5, 0.8, 1.0)
+
+
+def exposure(light, obj):
+    point(light, obj)
+    if not hasattr(light, "exposure"):
+        pytest.skip("this Blender has no light exposure")
+    light.exposure = 1.5
+
+
+def not_normalised(light, obj):
+    point(light, obj)
+    light.shadow_soft_size = 0.1
+    if not hasattr(light, "normalize"):
+        pytest.skip("this Blender always normalises")
+    light.normalize = False
+
+
+def sun_not_normalised(light, obj):
+    sun(light, obj)
+    light.angle = 0.2
+    if not hasattr(light, "normalize"):
+        pytest.skip("this Blender always normalises")
+    light.normalize = False
+
+
+def temperature(light, obj):
+    point(light, obj)
+    if not hasattr(light, "use_temperature"):
+        pytest.skip("this Blender has no light temperature")
+    light.use_temperature, light.temperature = True, 3200.0
+
+
+CASES = [
+    ("POINT", point),
+    ("POINT", coloured_point),
+    ("POINT", exposure),
+    ("POINT", not_normalised),
+    ("SUN", sun),
+    ("SUN", sun_not_normalised),
+    ("SPOT", spot),
+    ("SPOT", spot_edge),
+    ("SPOT", spot_turned),
+    ("SPOT", spot_scaled),
+]
+
+
+def card_value(
+    engine: str, albedo: float, kind: str, setup: Callable[[object, object], None], path: str
+) -> np.ndarray:
+    """Mean linear RGB of a small diffuse card at the origin, looking up."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    mesh = bpy.data.meshes.new("card")
+    corners = [(-0.05, -0.05, 0.0), (0.05, -0.05, 0.0), (0.05, 0.05, 0.0), (-0.05, 0.05, 0.0)]
+    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    scene.collection.objects.link(bpy.data.objects.new("card", mesh))
+    material = bpy.data.materials.new("grey")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (albedo, albedo, albedo, 1.0)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    mesh.materials.append(material)
+    light = bpy.data.lights.new("lamp", kind)
+    lamp = bpy.data.objects.new("lamp", light)
+    scene.collection.objects.link(lamp)
+    setup(light, lamp)
+    data = bpy.data.cameras.new("camera")
+    data.type, data.ortho_scale = "ORTHO", 0.09
+    camera = bpy.data.objects.new("camera", data)
+    camera.location = (0.0, 0.0, 0.3)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    render = scene.render
+    render.resolution_x = render.resolution_y = 8
+    render.engine = engine
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.filepath = path
+    if engine == "CYCLES":
+        scene.cycles.samples = 32
+        scene.cycles.use_denoising = False
+        scene.cycles.max_bounces = 0
+        scene.cycles.sample_clamp_direct = 0.0
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(path)
+    pixels = np.array(image.pixels[:]).reshape(8, 8, 4)
+    return pixels[..., :3].mean(axis=(0, 1))
+
+
+@pytest.mark.parametrize("albedo", [0.18, 0.8])
+@pytest.mark.parametrize(("kind", "setup"), CASES, ids=lambda value: getattr(value, "__name__", value))
+def test_grey_card_as_in_cycles(addon, tmp_path, kind, setup, albedo):
+    ours = card_value("TOGISHI", albedo, kind, setup, str(tmp_path / "ours.exr"))
+    cycles = card_value("CYCLES", albedo, kind, setup, str(tmp_path / "cycles.exr"))
+    assert cycles.min() > 1e-4
+    np.testing.assert_allclose(ours, cycles, rtol=0.02)
+
+
+def test_temperature_keeps_the_luminance(addon, tmp_path):
+    """A temperature becomes a spectrum here and a tint in Cycles: same luminance, nearly the same colour."""
+    ours = card_value("TOGISHI", 0.8, "POINT", temperature, str(tmp_path / "ours.exr"))
+    cycles = card_value("CYCLES", 0.8, "POINT", temperature, str(tmp_path / "cycles.exr"))
+    luminance = np.asarray((0.2126, 0.7152, 0.0722))
+    assert ours @ luminance == pytest.approx(cycles @ luminance, rel=0.02)
+    np.testing.assert_allclose(ours, cycles, rtol=0.05)
