@@ -25,12 +25,11 @@ Hada::Hada(HadaStyle style, double scale, std::uint64_t seed)
             layers_per_mm_ = 1.3;
             break;
         case HadaStyle::mokume:
-            cut_ = 0.15;
-            warps_[0] = {0.8, 18.0, 7.0};
-            warps_[1] = {0.75, 6.0, 3.6};
-            warps_[2] = {0.14, 2.2, 1.2};
-            burls_ = 1.0;
-            layers_per_mm_ = 1.5;
+            cut_ = 0.34;
+            warps_[0] = {1.1, 24.0, 6.5};
+            warps_[1] = {0.55, 6.5, 3.0};
+            warps_[2] = {0.1, 2.4, 1.0};
+            layers_per_mm_ = 1.6;
             break;
         case HadaStyle::ayasugi:
             cut_ = 1.0;

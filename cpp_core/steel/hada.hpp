@@ -12,7 +12,7 @@
 namespace togishi {
 
 struct HadaSample {
-    float tone = 0;  ///< mean 0, variance about 1: rougher (+) or finer layers
+    float tone = 0;  ///< mean 0, standard deviation about 0.45: rougher (+) or finer layers
     float layer =
         0;         ///< the layer coordinate, for lines that follow the grain (sunagashi, kinsuji)
     float ds = 0;  ///< gradient of `layer` per mm
@@ -37,7 +37,6 @@ class Hada {
     std::uint32_t seed_;
     double cut_ = 1;  // layers' height per mm of surface
     Warp warps_[3];
-    double burls_ = 0;
     double wave_mm_ = 0;
     double wave_length_mm_ = 1;
     double layers_per_mm_ = 1;

@@ -66,7 +66,7 @@ double Hadori::outline_q(double s) const {
 float Hadori::mask(double s, double q) const {
     const double over = (q - outline_q(s)) / softness_mm_;
     // Whitest over the ha; the crests keep more than half of it; a long tail towards the ji.
-    const double x = std::clamp((over + 0.35) / 1.35, 0.0, 1.0);
+    const double x = std::clamp((over + 0.35) / 1.349, 0.0, 1.0);
     const double fade = (1.0 - x) * (1.0 - x) * (1.0 + 0.9 * x);
     // Masked at the yokote; on blades without one it runs out before the boshi.
     const double end = has_yokote_ ? 1.0 - smooth_step(end_s_ - 0.5, end_s_, s)

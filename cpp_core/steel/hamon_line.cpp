@@ -309,7 +309,7 @@ class Drawing {
                 c.lean = 0.12 * pitch * crests_.normal();
                 line_.crests.push_back(c);
             }
-            if (crests_.common_uniform() < 0.1) {
+            if (crests_.common_uniform() < 0.1 && high > 0.4) {
                 HamonCrest c;
                 c.kind = HamonCrest::Kind::island;
                 c.s = middle;

@@ -35,13 +35,13 @@ struct NoiseSample {
     float dy = 0;
 };
 
-/// Plane noise of feature size about 1, mean 0, variance 1 (extremes about +-3).
+/// Plane noise of feature size about 1, mean 0, standard deviation 1/2.
 [[nodiscard]] NoiseSample noise_2d(double x, double y, std::uint32_t seed);
 
 /// noise_2d's value alone, the same bits.
 [[nodiscard]] float noise_value(double x, double y, std::uint32_t seed);
 
-/// Line noise of feature size about 1, mean 0, variance 1.
+/// Line noise of feature size about 1, mean 0, standard deviation 1/2.
 [[nodiscard]] float noise_1d(double x, std::uint32_t seed);
 
 /// What remains of a wave after averaging over a sample's footprint.

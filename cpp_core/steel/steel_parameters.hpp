@@ -32,7 +32,7 @@ struct SteelParameters {
         7.0;  ///< turn-back along the mune, from the boshi's top; yakizume has none
     HadaStyle hada = HadaStyle::itame;
     double hada_scale = 1.0;        ///< size of the grain, relative to the style's own
-    double hada_strength = 0.5;     ///< 1: the roughness varies by about 15 % (standard deviation)
+    double hada_strength = 0.5;     ///< 1: the ji's roughness varies by about 7 % (std. dev.)
     double hadori = 0.4;            ///< whiteness of the polisher's hadori; 0: sashikomi polish
     double hadori_margin_mm = 0.3;  ///< outline above the hamon's crests
     double hadori_smoothing_mm =

@@ -16,7 +16,7 @@ namespace togishi {
     const float stone = noise_value(x / 21.0, y / 6.0, seed);
     const float hand = footprint_fade(hypotenuse(footprint_x / 3.5F, footprint_y / 0.9F)) *
                        noise_value(x / 3.5, y / 0.9, seed + 1);
-    return static_cast<float>(wander_deg) * 0.0174533F * (0.8F * stone + 0.6F * hand);
+    return static_cast<float>(wander_deg) * 0.0174533F * (1.6F * stone + 1.2F * hand);
 }
 
 /// The lobe with its wide axis turned by `angle_rad`.
