@@ -287,6 +287,20 @@ def _fill_degenerate(normal: F32) -> F32:
     return np.where(good[:, None], normal, np.asarray((0.0, 0.0, 1.0), np.float32))
 
 
+def _rounded(vectors: F32, steps: float) -> list[NDArray[np.uint32]]:
+    """Columns of unit vectors in steps of 1/steps, as bit patterns."""
+    whole = np.rint(np.clip(vectors, -2.0, 2.0) * np.float32(steps)).astype(np.int32)
+    return [np.ascontiguousarray(whole[:, i]).view(np.uint32) for i in range(vectors.shape[1])]
+
+
+def _mean(normal: F32, group: NDArray[np.integer], count: int) -> F32:
+    """(count, 3) unit mean of the normals of each group."""
+    total = np.stack([np.bincount(group, normal[:, i], count) for i in range(3)], axis=1)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    mean: F32 = (total / np.maximum(length, 1e-30)).astype(np.float32)
+    return mean
+
+
 def uv_tangents(position: F32, uv: F32, triangles: NDArray[np.integer]) -> F32:
     """(V, 3) direction of growing u at each vertex, not yet perpendicular to the normal; zero where
     the UVs have no area."""
@@ -336,21 +350,25 @@ def build_mesh(
         triangle_part = np.clip(np.asarray(face_part, np.int64)[triangle_face], 0, 7)
         part[triangles] = triangle_part[:, None]
     normal = _fill_degenerate(np.asarray(corner_normal, np.float32))
+    # Blender keeps custom normals in so few bits that the corners of one vertex differ: normals that agree
+    # to a ninth of a degree are one normal, their mean.
     columns = [np.asarray(corner_vertex).astype(np.uint32), part.view(np.uint32)]
-    columns += [np.ascontiguousarray(normal[:, i]).view(np.uint32) for i in range(3)]
+    columns += _rounded(normal, 512.0)
     if corner_uv is not None:
         corner_uv = np.nan_to_num(np.asarray(corner_uv, np.float32), posinf=0.0, neginf=0.0)
         columns += [np.ascontiguousarray(corner_uv[:, i]).view(np.uint32) for i in range(2)]
     if corner_tangent is not None:
         corner_tangent = np.nan_to_num(np.asarray(corner_tangent, np.float32), posinf=0.0, neginf=0.0)
-        columns += [np.ascontiguousarray(corner_tangent[:, i]).view(np.uint32) for i in range(3)]
+        columns += _rounded(corner_tangent, 256.0)
     _, first, inverse = np.unique(_merge_key(columns), return_index=True, return_inverse=True)
     # In the order of the mesh rather than of the keys, which the vertex cache likes.
     order = np.argsort(first, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     first = first[order]
-    merged = rank[inverse.reshape(-1)][triangles]
+    vertex_of_corner = rank[inverse.reshape(-1)]
+    merged = vertex_of_corner[triangles]
+    normal = _mean(normal, vertex_of_corner, len(first))
     points = np.nan_to_num(np.asarray(position, np.float32)[np.asarray(corner_vertex)[first]])
     uv = None if corner_uv is None else np.ascontiguousarray(corner_uv[first])
     if corner_tangent is not None:
@@ -373,7 +391,7 @@ def build_mesh(
                 )
     return MeshData(
         position=np.ascontiguousarray(points),
-        normal_part=np.concatenate([normal[first], part[first, None]], axis=1),
+        normal_part=np.concatenate([normal, part[first, None]], axis=1),
         uv=uv,
         tangent=tangent,
         groups=tuple(groups),
