@@ -186,7 +186,9 @@ Development develop(const std::vector<Metric>& metric, const std::vector<double>
             most = std::max(most, fits(p));
         }
         double ds = 0.5 * (least + most);
-        if (arc_mm[i] >= 0) {
+        // Where next to nothing is turned, nothing is to be evened out, nor can the worst place lie
+        // there.
+        if (arc_mm[i] >= 0 && std::abs(skew) + std::abs(metric[i].shear) > 4e-3) {
             // Turned parts stretch one way more than the other: even that out.
             const glm::dvec2 first = over_and_under(metric[i], fits, ds, skew);
             ds *= 1 - 0.5 * (first.x - first.y);

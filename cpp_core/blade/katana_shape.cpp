@@ -140,7 +140,7 @@ Section KatanaShape::kissaki_section(const Dual& arc) const {
     finish_blade(s, corner);
     // The bulge falls from the yokote on, which sets the kissaki off against the ji across its
     // whole width.
-    s.niku = conic(x, start.niku.v, has_yokote() ? -start.niku.v : 0, 0.3, 1);
+    s.niku = conic(x, start.niku.v, has_yokote() ? -2.5 * start.niku.v : 0, 0.3, 1);
     s.ha_fraction = start.ha_fraction.v;
     return s;
 }
