@@ -28,9 +28,8 @@ nlohmann::ordered_json inspect_file(const std::filesystem::path& path) {
         throw InputError(path.string(), "file", "missing or no regular file",
                          "a .csv, .toml or .exr file");
     }
-    if (first_bytes(path) == exr_magic) {
-        throw InputError(path.string(), "kind", "an OpenEXR image", "a data table (.csv)");
-    }
+    if (first_bytes(path) == exr_magic) return inspect_map(path);
+    if (path.extension() == ".toml") return inspect_material(path);
     return inspect_table(path);
 }
 

@@ -342,6 +342,7 @@ std::vector<Timing> time_methods(const std::vector<Method>& all, int rounds, flo
     for (float& c : cosines) c = any(random);
     std::vector<glm::vec3> rgb(cosines.size());
     std::vector<Evaluate> evaluate;
+    evaluate.reserve(all.size());
     for (const auto& method : all) evaluate.push_back(method.prepare(pair));
     std::vector<std::vector<double>> ns(all.size());
     for (int round = 0; round < rounds; ++round) {

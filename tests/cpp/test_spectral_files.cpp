@@ -41,8 +41,7 @@ TEST(TableFile, ReadsAllLineEndsSeparatorsAndByteOrderMark) {
     const std::vector<std::string> texts{"400,1\n500,2\n",
                                          "400,1\r\n500,2\r\n",
                                          "400,1\r500,2",
-                                         "\xef\xbb\xbf"
-                                         "400;1\n500;2",
+                                         std::string("\xef\xbb\xbf") + "400;1\n500;2",
                                          "400\t1\n500\t2\n",
                                          "  400   1  \n\n 500 2\n",
                                          "# a comment\n400,1\n# another: one\n500,+2e0\n",

@@ -142,3 +142,23 @@ def test_a_full_disk_is_a_failure(togishi_cli: Path) -> None:
         )  # fmt: skip
     assert done.returncode == 1
     assert "disk full" in done.stderr
+
+
+def test_info_of_a_material(togishi_cli: Path, tmp_path: Path) -> None:
+    for path in sorted(DATA.glob("materials/*.toml")):
+        found = run_json(togishi_cli, "info", str(path))
+        assert found["kind"] == "material"
+        assert found["metal"] in [metal["name"] for metal in togishi_core.metals()]
+    path = tmp_path / "bad.toml"
+    path.write_text("format = 1\nshine = 3\n")
+    done = run(togishi_cli, "info", str(path))
+    assert done.returncode == 2
+    assert "bad.toml" in done.stderr
+
+
+def test_info_of_a_foreign_exr(togishi_cli: Path, tmp_path: Path) -> None:
+    path = tmp_path / "broken.exr"
+    path.write_bytes(b"\x76\x2f\x31\x01\x02\x00\x00\x00truncated")
+    done = run(togishi_cli, "info", str(path))
+    assert done.returncode == 2
+    assert "broken.exr" in done.stderr
