@@ -158,6 +158,7 @@ class Sampler {
             },
             threads);
         std::vector<Side> sides;
+        sides.reserve(made.size());
         for (auto& side : made) sides.push_back(std::move(*side));
         return sides;
     }
