@@ -28,7 +28,9 @@ def sphere(radius: float = 1.0, rings: int = 48, uv: bool = True, part: int = 1)
     t, p = np.meshgrid(theta, turn, indexing="ij")
     normal = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1).reshape(-1, 3)
     index = np.arange(t.size).reshape(t.shape)
-    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], -1).reshape(-1, 4)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], -1).reshape(
+        -1, 4
+    )
     corners = np.arange(quads.size).reshape(-1, 4)
     triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
     corner_vertex = quads.reshape(-1)
@@ -106,6 +108,4 @@ def scene_of(
     world: World | None = None,
 ) -> SceneData:
     instance = Instance("mesh", np.eye(4) if matrix is None else matrix, ("material",))
-    return SceneData(
-        {"mesh": mesh}, (instance,), {"material": material}, lights, world or World()
-    )
+    return SceneData({"mesh": mesh}, (instance,), {"material": material}, lights, world or World())

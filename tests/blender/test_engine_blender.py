@@ -166,11 +166,10 @@ def test_camera_shift_and_lens_show_what_they_should(scene, ortho):
 
 
 def test_depth_and_part_passes(scene):
-    from togishi.engine.camera_read import border_region, region_camera, render_camera  # noqa: F401
-    from togishi.engine.final_render import render_final
-    from togishi.engine.camera_read import Region
-    from togishi.engine.renderer import FAR_DEPTH, Renderer
     from togishi.core.scene_data import Camera
+    from togishi.engine.camera_read import Region
+    from togishi.engine.final_render import render_final
+    from togishi.engine.renderer import FAR_DEPTH, Renderer
 
     add_card(scene, blade=True, size=1.0)
     add_card(scene, "stand", blade=False, size=0.4, location=(0.0, 0.0, 1.0))
@@ -189,7 +188,13 @@ def test_depth_and_part_passes(scene):
     assert blade.sum() > 20
     assert (picture.part[..., 0][blade] == 3.0).all()
     stopped = render_final(
-        Renderer(), data, view, (64, 48), Region(0, 0, 64, 48), samples=8, progress=lambda share: share < 0.5
+        Renderer(),
+        data,
+        view,
+        (64, 48),
+        Region(0, 0, 64, 48),
+        samples=8,
+        progress=lambda share: share < 0.5,
     )
     assert stopped is None
 

@@ -143,7 +143,9 @@ def card_value(
 
 
 @pytest.mark.parametrize("albedo", [0.18, 0.8])
-@pytest.mark.parametrize(("kind", "setup"), CASES, ids=lambda value: getattr(value, "__name__", value))
+@pytest.mark.parametrize(
+    ("kind", "setup"), CASES, ids=lambda value: getattr(value, "__name__", value)
+)
 def test_grey_card_as_in_cycles(addon, tmp_path, kind, setup, albedo):
     ours = card_value("TOGISHI", albedo, kind, setup, str(tmp_path / "ours.exr"))
     cycles = card_value("CYCLES", albedo, kind, setup, str(tmp_path / "cycles.exr"))

@@ -67,7 +67,9 @@ def reference_rgb(inputs, scene, camera, material, spectra):
 
 
 @pytest.mark.parametrize("spectrum", ["D65", "A", "line:589.3"])
-@pytest.mark.parametrize("kind", ["one lobe", "anisotropic", "rough part", "maps", "maps with shape"])
+@pytest.mark.parametrize(
+    "kind", ["one lobe", "anisotropic", "rough part", "maps", "maps with shape"]
+)
 def test_agrees_with_the_reference(scenes, renderer, kind, spectrum):
     mesh = scenes.sphere(part=3 if kind == "rough part" else 1)
     rng = np.random.default_rng(7)
@@ -106,7 +108,9 @@ def test_agrees_with_the_reference(scenes, renderer, kind, spectrum):
 def test_a_room_is_mirrored_as_fresnel(scenes, renderer):
     from togishi.core.scene_data import World
 
-    scene = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(), (), world=World((0.5, 0.5, 0.5)))
+    scene = scenes.scene_of(
+        scenes.sphere(), scenes.isotropic_blade(), (), world=World((0.5, 0.5, 0.5))
+    )
     camera = scenes.look_at((0.0, -4.0, 0.0), fov_deg=35.0)
     picture = renderer.draw(scene, camera, SIZE, float32=True).read()
     inputs = renderer.gbuffer(scene, camera, SIZE)
@@ -126,11 +130,17 @@ def test_a_mirrored_object_is_the_mirror_image(scenes, renderer):
     camera = scenes.look_at((0.0, -4.0, 0.0), fov_deg=35.0)
     place, other = (2.0, -3.0, 1.0), (-2.0, -3.0, 1.0)
     plain = renderer.draw(
-        scenes.scene_of(scenes.sphere(), material, (scenes.point_light(place),)), camera, SIZE, float32=True
+        scenes.scene_of(scenes.sphere(), material, (scenes.point_light(place),)),
+        camera,
+        SIZE,
+        float32=True,
     ).read()
     flip = np.diag([-1.0, 1.0, 1.0, 1.0])
     mirrored = renderer.draw(
-        scenes.scene_of(scenes.sphere(), material, (scenes.point_light(other),), flip), camera, SIZE, float32=True
+        scenes.scene_of(scenes.sphere(), material, (scenes.point_light(other),), flip),
+        camera,
+        SIZE,
+        float32=True,
     ).read()
     assert plain[..., :3].max() > 0.1
     difference = np.abs(plain[:, ::-1] - mirrored)[..., :3]
@@ -143,8 +153,12 @@ def test_non_uniform_scale_carries_normals(scenes, renderer):
     scene = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(), (), matrix)
     camera = scenes.look_at((0.0, -4.0, 0.0), fov_deg=35.0)
     inputs = renderer.gbuffer(scene, camera, SIZE)
-    world = (np.linalg.inv(camera.view) @ np.concatenate(
-        [inputs.position[inputs.covered], np.ones((inputs.covered.sum(), 1))], axis=1).T).T[:, :3]
+    world = (
+        np.linalg.inv(camera.view)
+        @ np.concatenate(
+            [inputs.position[inputs.covered], np.ones((inputs.covered.sum(), 1))], axis=1
+        ).T
+    ).T[:, :3]
     normal = world / np.diag(matrix)[:3] ** 2
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     got = inputs.normal[inputs.covered] @ camera.view[:3, :3]
@@ -191,7 +205,9 @@ def test_a_new_spectrum_takes_under_a_millisecond(scenes, renderer):
     renderer.draw(scene, camera, (4, 4))
     times = []
     for kelvin in range(2000, 2030):
-        new = dataclasses.replace(scene, lights=(dataclasses.replace(light, spectrum=f"blackbody:{kelvin}"),))
+        new = dataclasses.replace(
+            scene, lights=(dataclasses.replace(light, spectrum=f"blackbody:{kelvin}"),)
+        )
         start = time.process_time_ns()
         renderer.prepare_lights(new)
         times.append((time.process_time_ns() - start) * 1e-6)
@@ -202,7 +218,9 @@ def test_variants_are_kept_and_only_hold_what_is_needed(scenes, renderer):
     from togishi.core.shader_source import LightVariant, SteelVariant, steel_light_program
 
     camera = scenes.look_at((0.0, -4.0, 0.0))
-    scene = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(), (scenes.point_light((2, -3, 2)),))
+    scene = scenes.scene_of(
+        scenes.sphere(), scenes.isotropic_blade(), (scenes.point_light((2, -3, 2)),)
+    )
     for _ in range(3):
         renderer.draw(scene, camera, SIZE)
     assert renderer.program_count == 2
@@ -220,10 +238,15 @@ def test_any_number_of_lights(scenes, renderer, count):
     camera = scenes.look_at((0.0, -4.0, 0.0), fov_deg=35.0)
     material = scenes.isotropic_blade(5.0)
     one = renderer.draw(
-        scenes.scene_of(scenes.sphere(), material, (scenes.point_light((2, -3, 2), 100.0),)), camera, SIZE, float32=True
+        scenes.scene_of(scenes.sphere(), material, (scenes.point_light((2, -3, 2), 100.0),)),
+        camera,
+        SIZE,
+        float32=True,
     ).read()
     lights = tuple(scenes.point_light((2, -3, 2), 100.0 / max(count, 1)) for _ in range(count))
-    many = renderer.draw(scenes.scene_of(scenes.sphere(), material, lights), camera, SIZE, float32=True).read()
+    many = renderer.draw(
+        scenes.scene_of(scenes.sphere(), material, lights), camera, SIZE, float32=True
+    ).read()
     np.testing.assert_allclose(many[..., :3], one[..., :3] if count else 0.0, rtol=1e-3, atol=1e-6)
 
 
@@ -239,7 +262,9 @@ def test_more_spectra_than_one_block_holds(scenes, renderer):
     camera = scenes.look_at((0.0, -4.0, 0.0), fov_deg=35.0)
     together = renderer.draw(scene, camera, SIZE, float32=True).read()
     apart = sum(
-        renderer.draw(dataclasses.replace(scene, lights=(light,)), camera, SIZE, float32=True).read()
+        renderer.draw(
+            dataclasses.replace(scene, lights=(light,)), camera, SIZE, float32=True
+        ).read()
         for light in lights
     )
     np.testing.assert_allclose(together[..., :3], apart[..., :3], rtol=1e-3, atol=1e-6)
@@ -259,7 +284,10 @@ def test_power_and_roughness(scenes, renderer, power, mu_deg):
 def test_anisotropy_of_hundred_to_one(scenes, renderer):
     material = scenes.blade(ji={"mu_t_deg": 50.0, "mu_b_deg": 0.5, "rho_deg": 77.0})
     scene = scenes.scene_of(scenes.sphere(), material, (scenes.point_light((2, -3, 2), 1e4),))
-    assert finite(renderer.draw(scene, scenes.look_at((0, -4, 0), fov_deg=35), SIZE))[..., :3].max() > 0
+    assert (
+        finite(renderer.draw(scene, scenes.look_at((0, -4, 0), fov_deg=35), SIZE))[..., :3].max()
+        > 0
+    )
 
 
 def test_nan_and_infinity_in_a_map(scenes, renderer):
@@ -270,7 +298,10 @@ def test_nan_and_infinity_in_a_map(scenes, renderer):
     scene = scenes.scene_of(
         scenes.sphere(), scenes.isotropic_blade(3.0, maps), (scenes.point_light((2, -3, 2), 1e3),)
     )
-    assert finite(renderer.draw(scene, scenes.look_at((0, -4, 0), fov_deg=35), SIZE))[..., :3].max() > 0
+    assert (
+        finite(renderer.draw(scene, scenes.look_at((0, -4, 0), fov_deg=35), SIZE))[..., :3].max()
+        > 0
+    )
 
 
 def test_map_of_one_texel_is_the_constant(scenes, renderer):
@@ -278,9 +309,15 @@ def test_map_of_one_texel_is_the_constant(scenes, renderer):
     camera = scenes.look_at((0, -4, 0), fov_deg=35)
     lights = (scenes.point_light((2, -3, 2), 1e3),)
     mapped = renderer.draw(
-        scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(9.0, scenes.maps_of(lobes)), lights), camera, SIZE
+        scenes.scene_of(
+            scenes.sphere(), scenes.isotropic_blade(9.0, scenes.maps_of(lobes)), lights
+        ),
+        camera,
+        SIZE,
     ).read()
-    constant = renderer.draw(scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(4.0), lights), camera, SIZE).read()
+    constant = renderer.draw(
+        scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(4.0), lights), camera, SIZE
+    ).read()
     np.testing.assert_allclose(mapped, constant, rtol=1e-2, atol=1e-3)
 
 
@@ -290,9 +327,13 @@ def test_mesh_without_uv_takes_constants(scenes, renderer):
     lights = (scenes.point_light((2, -3, 2), 1e3),)
     mesh = scenes.sphere(uv=False)
     mapped = renderer.draw(
-        scenes.scene_of(mesh, scenes.isotropic_blade(4.0, scenes.maps_of(lobes)), lights), camera, SIZE
+        scenes.scene_of(mesh, scenes.isotropic_blade(4.0, scenes.maps_of(lobes)), lights),
+        camera,
+        SIZE,
     ).read()
-    constant = renderer.draw(scenes.scene_of(mesh, scenes.isotropic_blade(4.0), lights), camera, SIZE).read()
+    constant = renderer.draw(
+        scenes.scene_of(mesh, scenes.isotropic_blade(4.0), lights), camera, SIZE
+    ).read()
     np.testing.assert_array_equal(mapped, constant)
 
 
@@ -301,8 +342,15 @@ def test_empty_mesh(scenes, renderer):
 
     nothing = np.zeros((0, 3), np.int32)
     mesh = packing.build_mesh(
-        np.zeros((0, 3), np.float32), np.zeros(0, np.int32), nothing, np.zeros(0, np.int32),
-        np.zeros((0, 3), np.float32), None, None, None, None,
+        np.zeros((0, 3), np.float32),
+        np.zeros(0, np.int32),
+        nothing,
+        np.zeros(0, np.int32),
+        np.zeros((0, 3), np.float32),
+        None,
+        None,
+        None,
+        None,
     )
     scene = scenes.scene_of(mesh, scenes.isotropic_blade(), (scenes.point_light((2, -3, 2)),))
     assert finite(renderer.draw(scene, scenes.look_at((0, -4, 0)), SIZE))[..., :3].max() == 0.0
@@ -321,7 +369,9 @@ def test_scene_in_mm_or_km(scenes, renderer, unit):
         eye = tuple(np.add((0.0, -4.0 * u, 0.5 * u), place))
         lamp = tuple(np.add((2.0 * u, -3.0 * u, 2.0 * u), place))
         camera = scenes.look_at(eye, place, fov_deg=35.0, near=0.1 * u, far=100.0 * u)
-        scene = scenes.scene_of(scenes.sphere(), material, (scenes.point_light(lamp, 100.0 * u * u),), shift)
+        scene = scenes.scene_of(
+            scenes.sphere(), material, (scenes.point_light(lamp, 100.0 * u * u),), shift
+        )
         return renderer.draw(scene, camera, SIZE, float32=True).read()[..., :3]
 
     expected = picture(1.0)
@@ -330,7 +380,7 @@ def test_scene_in_mm_or_km(scenes, renderer, unit):
 
 
 def test_a_kilometre_from_the_origin(scenes, renderer):
-    material, camera = scenes.isotropic_blade(0.3), None
+    material = scenes.isotropic_blade(0.3)
 
     def picture(place):
         matrix = np.eye(4)
@@ -359,8 +409,12 @@ def test_two_renderers_do_not_disturb_each_other(scenes, renderer):
     from togishi.engine.renderer import Renderer
 
     camera = scenes.look_at((0, -4, 0), fov_deg=35)
-    first = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(4.0), (scenes.point_light((2, -3, 2)),))
-    second = scenes.scene_of(scenes.sphere(0.5), scenes.isotropic_blade(9.0), (scenes.point_light((-2, -3, 2)),))
+    first = scenes.scene_of(
+        scenes.sphere(), scenes.isotropic_blade(4.0), (scenes.point_light((2, -3, 2)),)
+    )
+    second = scenes.scene_of(
+        scenes.sphere(0.5), scenes.isotropic_blade(9.0), (scenes.point_light((-2, -3, 2)),)
+    )
     other = Renderer()
     alone = renderer.draw(first, camera, SIZE).read()
     other.draw(second, camera, (64, 32))

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +98,12 @@ def screen_rect(
     left, bottom, right, top = 1.0, 1.0, -1.0, -1.0
     for low, high, matrix in bounds:
         corners = np.array(
-            [(x, y, z, 1.0) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+            [
+                (x, y, z, 1.0)
+                for x in (low[0], high[0])
+                for y in (low[1], high[1])
+                for z in (low[2], high[2])
+            ]
         )
         clip = corners @ (camera.projection @ camera.view @ matrix).T
         if (clip[:, 3] <= 1e-6 * np.abs(clip).max()).any():
@@ -106,7 +112,12 @@ def screen_rect(
         left, right = min(left, float(x.min())), max(right, float(x.max()))
         bottom, top = min(bottom, float(y.min())), max(top, float(y.max()))
     # A pixel and more to each side: rounding must not cut an edge.
-    rect = (max(left - 0.01, -1.0), max(bottom - 0.01, -1.0), min(right + 0.01, 1.0), min(top + 0.01, 1.0))
+    rect = (
+        max(left - 0.01, -1.0),
+        max(bottom - 0.01, -1.0),
+        min(right + 0.01, 1.0),
+        min(top + 0.01, 1.0),
+    )
     return rect if rect[0] < rect[2] and rect[1] < rect[3] else None
 
 
@@ -293,7 +304,7 @@ def _rounded(vectors: F32, steps: float) -> list[NDArray[np.uint32]]:
     return [np.ascontiguousarray(whole[:, i]).view(np.uint32) for i in range(vectors.shape[1])]
 
 
-def _mean(normal: F32, group: NDArray[np.integer], count: int) -> F32:
+def _mean(normal: F32, group: NDArray[np.integer[Any]], count: int) -> F32:
     """(count, 3) unit mean of the normals of each group."""
     total = np.stack([np.bincount(group, normal[:, i], count) for i in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
@@ -301,7 +312,7 @@ def _mean(normal: F32, group: NDArray[np.integer], count: int) -> F32:
     return mean
 
 
-def uv_tangents(position: F32, uv: F32, triangles: NDArray[np.integer]) -> F32:
+def uv_tangents(position: F32, uv: F32, triangles: NDArray[np.integer[Any]]) -> F32:
     """(V, 3) direction of growing u at each vertex, not yet perpendicular to the normal; zero where
     the UVs have no area."""
     p, t = position[triangles], uv[triangles]
@@ -326,8 +337,8 @@ def build_mesh(
     triangle_corners: NDArray[np.int32],
     triangle_face: NDArray[np.int32],
     corner_normal: F32,
-    face_part: NDArray[np.integer] | None,
-    face_slot: NDArray[np.integer] | None,
+    face_part: NDArray[np.integer[Any]] | None,
+    face_slot: NDArray[np.integer[Any]] | None,
     corner_uv: F32 | None,
     corner_tangent: F32 | None,
     blade_slots: frozenset[int] = frozenset(),
@@ -358,7 +369,9 @@ def build_mesh(
         corner_uv = np.nan_to_num(np.asarray(corner_uv, np.float32), posinf=0.0, neginf=0.0)
         columns += [np.ascontiguousarray(corner_uv[:, i]).view(np.uint32) for i in range(2)]
     if corner_tangent is not None:
-        corner_tangent = np.nan_to_num(np.asarray(corner_tangent, np.float32), posinf=0.0, neginf=0.0)
+        corner_tangent = np.nan_to_num(
+            np.asarray(corner_tangent, np.float32), posinf=0.0, neginf=0.0
+        )
         columns += _rounded(corner_tangent, 256.0)
     _, first, inverse = np.unique(_merge_key(columns), return_index=True, return_inverse=True)
     # In the order of the mesh rather than of the keys, which the vertex cache likes.
@@ -371,6 +384,7 @@ def build_mesh(
     normal = _mean(normal, vertex_of_corner, len(first))
     points = np.nan_to_num(np.asarray(position, np.float32)[np.asarray(corner_vertex)[first]])
     uv = None if corner_uv is None else np.ascontiguousarray(corner_uv[first])
+    tangent: F32 | None
     if corner_tangent is not None:
         tangent = np.ascontiguousarray(corner_tangent[first])
     else:

@@ -14,7 +14,12 @@ def _blackman_harris_inverse(u: F64, width: float) -> F64:
     """Offsets in pixels distributed as Blackman-Harris' window of `width` pixels, Cycles' and EEVEE's filter."""
     x = np.linspace(-0.5, 0.5, 513)
     angle = 2.0 * np.pi * (x + 0.5)
-    window = 0.35875 - 0.48829 * np.cos(angle) + 0.14128 * np.cos(2 * angle) - 0.01168 * np.cos(3 * angle)
+    window = (
+        0.35875
+        - 0.48829 * np.cos(angle)
+        + 0.14128 * np.cos(2 * angle)
+        - 0.01168 * np.cos(3 * angle)
+    )
     cdf = np.concatenate([[0.0], np.cumsum(0.5 * (window[1:] + window[:-1]))])
     result: F64 = np.interp(u, cdf / cdf[-1], x) * width
     return result

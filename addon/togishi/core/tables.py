@@ -21,7 +21,9 @@ class Tables:
     def __init__(self) -> None:
         self._rows: dict[tuple[str, str, ColourSettings], F32] = {}
         self.baked = 0
-        self.problems: dict[str, str] = {}  # spectrum or metal -> why it was replaced by D65 or the default iron
+        self.problems: dict[
+            str, str
+        ] = {}  # spectrum or metal -> why it was replaced by D65 or the default iron
 
     def rows(self, metal: str, spectra: Sequence[str], colour: ColourSettings) -> list[F32]:
         """(TABLE_SIZE, 3) for each spectrum. metal "": rows of the light itself."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..core.scene_data import Camera, F64
+from ..core.scene_data import F64, Camera
 
 
 @dataclass(frozen=True)

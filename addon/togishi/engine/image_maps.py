@@ -32,7 +32,9 @@ def image_pixels(image: bpy.types.Image) -> np.ndarray:
     if width <= 0 or height <= 0 or image.channels == 0:
         path = bpy.path.abspath(image.filepath, library=image.library)
         where = path or "no file, and nothing packed"
-        raise MapError(f"Map image {image.name!r} cannot be read ({where}): constants per part are used.")
+        raise MapError(
+            f"Map image {image.name!r} cannot be read ({where}): constants per part are used."
+        )
     if image.channels != 4:
         raise MapError(
             f"Map image {image.name!r} has {image.channels} channels instead of 4 (RGBA): "
@@ -51,4 +53,6 @@ def read_maps(lobes: bpy.types.Image, shape: bpy.types.Image | None) -> MapData:
     try:
         return packing.map_data(*core.pack_mip_atlas(lobe_pixels, shape_pixels))
     except core.InputError as error:
-        raise MapError(f"Map image {lobes.name!r}: {error}: constants per part are used.") from error
+        raise MapError(
+            f"Map image {lobes.name!r}: {error}: constants per part are used."
+        ) from error

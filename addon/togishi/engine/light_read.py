@@ -24,7 +24,9 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
     kind = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN}.get(light.type)
     if kind is None:
         kind = LightKind.POINT
-        note = f"Light {light.name!r} ({light.type.lower()}) is drawn as a point light of its power."
+        note = (
+            f"Light {light.name!r} ({light.type.lower()}) is drawn as a point light of its power."
+        )
     if not getattr(light, "normalize", True):
         # The number is then per area of the lamp: of a sphere's surface, of the sun's disc seen from here.
         if kind is LightKind.SUN:
@@ -69,7 +71,9 @@ def read_world(world: bpy.types.World | None) -> tuple[World, str]:
         if background is None:
             return World((0.0, 0.0, 0.0), spectrum), ""
         if background.type != "BACKGROUND":
-            note = f"World {world.name!r}: only a Background node is used; {background.name!r} is not."
+            note = (
+                f"World {world.name!r}: only a Background node is used; {background.name!r} is not."
+            )
         else:
             if background.inputs["Color"].is_linked:
                 note = (

@@ -38,7 +38,9 @@ def read_plain(material: bpy.types.Material | None) -> PlainMaterial:
     else:
         colour = material.diffuse_color
         roughness, metallic, ior = material.roughness, material.metallic, 1.5
-    red, green, blue = (min(max(float(c), 0.0), 1.0) if math.isfinite(c) else 0.0 for c in colour[:3])
+    red, green, blue = (
+        min(max(float(c), 0.0), 1.0) if math.isfinite(c) else 0.0 for c in colour[:3]
+    )
     return PlainMaterial(
         albedo=(red, green, blue),
         ior=min(max(float(ior), 1.0), 4.0),

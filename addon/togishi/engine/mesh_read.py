@@ -38,9 +38,9 @@ def read_mesh(mesh: bpy.types.Mesh, blade_slots: frozenset[int]) -> MeshData:
     return build_mesh(
         position=_read(mesh.vertices, "co", len(mesh.vertices) * 3, np.float32).reshape(-1, 3),
         corner_vertex=_read(mesh.loops, "vertex_index", corner_count, np.int32),
-        triangle_corners=_read(
-            mesh.loop_triangles, "loops", triangle_count * 3, np.int32
-        ).reshape(-1, 3),
+        triangle_corners=_read(mesh.loop_triangles, "loops", triangle_count * 3, np.int32).reshape(
+            -1, 3
+        ),
         triangle_face=_read(mesh.loop_triangles, "polygon_index", triangle_count, np.int32),
         corner_normal=_read(mesh.corner_normals, "vector", corner_count * 3, np.float32).reshape(
             -1, 3

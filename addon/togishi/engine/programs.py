@@ -54,7 +54,9 @@ class Block:
     def __init__(self) -> None:
         self._buffer: GPUUniformBuf | None = None
         self._content: np.ndarray | None = None
-        self.tag: object = None  # what the content was made from, for callers that can skip making it
+        self.tag: object = (
+            None  # what the content was made from, for callers that can skip making it
+        )
 
     def set(self, content: np.ndarray) -> int:
         """Bytes uploaded: 0 where nothing changed."""

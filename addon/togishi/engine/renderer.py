@@ -23,6 +23,7 @@ from gpu.types import (
 
 from ..core import packing, shader_source
 from ..core.packing import LightPass, ViewSpace
+from ..core.sampling import pixel_offsets
 from ..core.scene_data import (
     BladeMaterial,
     Camera,
@@ -33,8 +34,7 @@ from ..core.scene_data import (
     SceneData,
     SteelMaterial,
 )
-from ..core.shader_source import LightVariant, ProgramSource, SteelVariant
-from ..core.sampling import pixel_offsets
+from ..core.shader_source import ProgramSource, SteelVariant
 from ..core.tables import Tables
 from .programs import Block, build, float_buffer
 
@@ -484,9 +484,7 @@ class Renderer:
         spectra = self._passes[index].spectra
         tag = (spectra, scene.colour)
         if block.tag != tag:
-            self._set(
-                block, packing.table_block(self.tables.rows(metal, spectra, scene.colour))
-            )
+            self._set(block, packing.table_block(self.tables.rows(metal, spectra, scene.colour)))
             block.tag = tag
         return block
 

@@ -114,9 +114,12 @@ class SceneSync:
                 continue
             obj = item.object
             owner = item.parent if item.is_instance else obj
-            if view3d is not None and owner is not None:
-                if not owner.original.visible_in_viewport_get(view3d):
-                    continue
+            if (
+                view3d is not None
+                and owner is not None
+                and not owner.original.visible_in_viewport_get(view3d)
+            ):
+                continue
             if obj.type == "LIGHT":
                 if item.is_instance:
                     self._instanced_lights = True
@@ -263,7 +266,9 @@ class SceneSync:
             key = f"mesh {original.data.session_uid} {sorted(blade_slots)}"
         elif is_instance:
             # Geometry made by nodes has no identifier of its own; it lives as long as the evaluated data.
-            key = f"instance {original.session_uid} {data.name if data else ''} {sorted(blade_slots)}"
+            key = (
+                f"instance {original.session_uid} {data.name if data else ''} {sorted(blade_slots)}"
+            )
         else:
             key = f"object {original.session_uid}"
         known = self._meshes.get(key)

@@ -1,0 +1,186 @@
+"""Programs and uploads without Blender: what is in the text, what is in the bytes."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
+
+from togishi.core import packing, sampling, shader_source
+from togishi.core.scene_data import Camera, Light, LightKind, PlainMaterial, SteelMaterial, World
+from togishi.core.shader_source import LightVariant, SteelVariant
+
+
+def every(variant: type) -> list:
+    names = [f.name for f in dataclasses.fields(variant)]
+    return [variant(*values) for values in itertools.product((False, True), repeat=len(names))]
+
+
+def all_programs() -> list[shader_source.ProgramSource]:
+    few = [LightVariant(False), LightVariant(True, True, True, True)]
+    programs = [shader_source.copy_program(), shader_source.aux_program()]
+    programs += [shader_source.plain_program(lights) for lights in every(LightVariant)]
+    for steel in every(SteelVariant):
+        programs.append(shader_source.steel_surface_program(steel))
+        programs.append(shader_source.steel_inputs_program(steel, many=True))
+        programs += [shader_source.steel_light_program(lights, steel) for lights in few]
+    return programs
+
+
+def test_programs_declare_no_interface_and_include_nothing_any_more():
+    for program in all_programs():
+        for text in (program.vertex, program.fragment):
+            code = re.sub(r"//[^\n]*", "", text)
+            assert "#include" not in code
+            assert not re.search(
+                r"^\s*(layout|in|out|uniform|varying|attribute)\b", code, re.MULTILINE
+            )
+            assert code.count("{") == code.count("}")
+            assert len(re.findall(r"\bvoid main\(\)", code)) == 1
+
+
+def test_each_formula_is_in_a_program_once():
+    program = shader_source.steel_light_program(LightVariant(), SteelVariant())
+    names = re.findall(r"^TG_FN \w+ (\w+)\(", program.fragment, re.MULTILINE)
+    assert "ji_reflection" in names
+    assert len(names) == len(set(names))
+
+
+def test_push_constants_fit_every_gpu():
+    size = {"VEC4": 16}
+    for program in all_programs():
+        assert sum(size[kind] for kind, _name in program.push_constants) <= 128
+
+
+def test_code_is_left_out_where_a_scene_does_not_need_it():
+    program = shader_source.steel_light_program(LightVariant(), SteelVariant())
+    flags = {name for name, _value in program.defines}
+    assert {"TG_POINTS", "TG_ONE_LOBE"} <= flags
+    assert not flags & {"TG_SPOTS", "TG_SUNS", "TG_WORLD", "TG_MAPS", "TG_HADORI", "TG_ANISOTROPIC"}
+    assert not {name for _kind, name in program.blocks} & {"spots", "wavelengths"}
+    assert program.samplers == (("FLOAT_2D", "surface_buffer"),)
+
+
+def test_shape_and_hadori_need_maps():
+    lonely = SteelVariant(shape=True, hadori=True)
+    assert lonely.defines() == {"TG_ONE_LOBE": ""}
+    assert [name for _f, _k, name in lonely.targets] == ["surface"]
+
+
+def test_a_missing_shader_names_its_path():
+    with pytest.raises(shader_source.ShaderSourceError, match=r"viewport/nothing\.glsl"):
+        shader_source.resolve("viewport/nothing.glsl")
+
+
+def test_blocks_have_the_size_that_the_interface_states():
+    text = shader_source.steel_light_program(LightVariant(), SteelVariant()).typedefs
+    sizes = {"mat4": 16, "vec4": 4}
+    structs: dict[str, int] = {}
+    for name, body in re.findall(r"struct (\w+) \{(.*?)\};", text, re.DOTALL):
+        total = 0
+        for kind, count in re.findall(r"(\w+) \w+(?:\[([^\]]+)\])?;", body):
+            number = math.prod(int(n) for n in count.split("*")) if count else 1
+            total += number * (sizes[kind] if kind in sizes else structs[kind])
+        structs[name] = total
+    one = packing.light_passes((), World())[0]
+    space = packing.view_space(Camera(np.eye(4), np.eye(4)), (4, 4))
+    steel = SteelMaterial(
+        "m", ((0.0, 0.0, 0.0),) * 8, (-1.0,) * 8, (False,) * 8, (0,) * 4, (0,) * 4
+    )
+    assert packing.frame_block(space, (0, 0, 0), 0, one.counts, 0.0).size == structs["TgFrame"]
+    assert packing.lights_block(one, space).size == structs["TgLights"]
+    assert packing.spots_block(one, space).size == structs["TgSpots"]
+    assert packing.table_block([]).size == structs["TgTable"]
+    assert packing.steel_block(steel).size == structs["TgSteel"]
+    assert packing.plain_block(PlainMaterial()).size == structs["TgPlain"]
+    # 16 KiB is what every GPU can bind.
+    assert all(4 * size <= 16384 for name, size in structs.items() if name != "TgWavelengths")
+
+
+def test_passes_hold_every_light_once_in_order():
+    kinds = list(LightKind)
+    lights = [
+        Light(kinds[i % 3], power=float(i), spectrum=f"blackbody:{2000 + i % 40}")
+        for i in range(700)
+    ]
+    passes = packing.light_passes(lights, World((1.0, 1.0, 1.0), "A"))
+    assert sorted(light.power for p in passes for light in p.lights) == list(range(1, 700))
+    assert passes[0].spectra[0] == "A"
+    order = {LightKind.POINT: 0, LightKind.SPOT: 1, LightKind.SUN: 2}
+    for light_pass in passes:
+        assert len(light_pass.lights) <= shader_source.LIGHT_CAPACITY
+        assert len(light_pass.spectra) <= shader_source.TABLE_ROWS
+        ranks = [order[light.kind] for light in light_pass.lights]
+        assert ranks == sorted(ranks)
+        counts = light_pass.counts
+        assert counts.points + counts.spots + counts.suns == len(light_pass.lights)
+
+
+def test_no_lights_is_one_empty_pass():
+    (only,) = packing.light_passes((), World())
+    assert only.lights == ()
+    assert only.spectra == ()
+
+
+def test_corners_that_agree_become_one_vertex():
+    position = np.asarray([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], np.float32)
+    corner_vertex = np.asarray([0, 1, 2, 0, 2, 3], np.int32)
+    normal = np.tile(np.asarray((0.0, 0.0, 1.0), np.float32), (6, 1))
+    arguments = (position, corner_vertex, np.arange(6).reshape(2, 3), np.arange(2))
+    mesh = packing.build_mesh(*arguments, normal, None, None, None, None)
+    assert len(mesh.position) == 4
+    assert mesh.triangle_count == 2
+    # Another part, another normal: the edge between the two triangles is double.
+    parts = packing.build_mesh(*arguments, normal, np.asarray([1, 3]), None, None, None)
+    assert len(parts.position) == 6
+    tilted = normal.copy()
+    tilted[3:] = (0.0, 0.1, 0.995)
+    assert len(packing.build_mesh(*arguments, tilted, None, None, None, None).position) == 6
+
+
+def test_meshes_with_nan_stay_finite():
+    position = np.asarray([(0, 0, 0), (1, 0, np.nan), (1, np.inf, 0)], np.float32)
+    normal = np.asarray([(0, 0, 1), (np.nan, 0, 0), (0, 0, 0)], np.float32)
+    uv = np.asarray([(0, 0), (np.nan, 0), (0, np.inf)], np.float32)
+    triangle = np.arange(3).reshape(1, 3)
+    mesh = packing.build_mesh(
+        position,
+        np.arange(3, dtype=np.int32),
+        triangle,
+        np.zeros(1, int),
+        normal,
+        None,
+        None,
+        uv,
+        None,
+    )
+    for values in (mesh.normal_part, mesh.uv, mesh.tangent):
+        assert np.isfinite(values).all()
+    np.testing.assert_allclose(np.linalg.norm(mesh.normal_part[:, :3], axis=1), 1.0, rtol=1e-6)
+
+
+def test_tangents_follow_u():
+    position = np.asarray([(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)], np.float32)
+    triangles = np.asarray([(0, 1, 2), (0, 2, 3)])
+    uv = np.asarray([(0.5, 0), (0.5, 1), (0, 1), (0, 0)], np.float32)  # u runs along -y
+    tangents = packing.uv_tangents(position, uv, triangles)
+    np.testing.assert_allclose(tangents, np.tile((0.0, -1.0, 0.0), (4, 1)), atol=1e-6)
+    assert (packing.uv_tangents(position, np.zeros_like(uv), triangles) == 0.0).all()
+
+
+@pytest.mark.parametrize("samples", [1, 2, 4, 16, 64])
+def test_samples_are_spread_about_the_centre(samples):
+    offsets = sampling.pixel_offsets(samples, 1.5)
+    assert offsets.shape == (samples, 2)
+    assert np.abs(offsets).max() < 0.75
+    np.testing.assert_allclose(offsets.mean(axis=0), 0.0, atol=1e-6)
+    assert len(np.unique(offsets[:, 0])) == samples
+    np.testing.assert_array_equal(offsets, sampling.pixel_offsets(samples, 1.5))
