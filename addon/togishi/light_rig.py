@@ -46,8 +46,9 @@ def _ji_normal(obj: bpy.types.Object, view: Vector) -> Vector | None:
     return (obj.matrix_world.to_3x3().inverted_safe().transposed() @ mean).normalized()
 
 
-def frame_of(obj: bpy.types.Object, viewer: Vector | None = None) -> Frame:
-    """viewer: where the camera is; without one the blade is looked at square on. Generated blades lie along +x
+def frame_of(obj: bpy.types.Object, to_viewer: Vector | None = None) -> Frame:
+    """to_viewer: from what is looked at to the camera; without one the blade is looked at square on. It is the
+    camera's axis, not its place, so that close-ups of a blade's end are lit as they look. Generated blades lie along +x
     with omote towards +y; of other objects the longest side is the length and the shortest looks at the viewer."""
     corners = [Vector(corner) for corner in obj.bound_box]
     low = Vector(map(min, zip(*corners, strict=True)))
@@ -63,8 +64,8 @@ def frame_of(obj: bpy.types.Object, viewer: Vector | None = None) -> Frame:
     along.normalize()
     out = basis.col[thin_axis].normalized()
     view = out
-    if viewer is not None and (viewer - middle).length > 1e-6:
-        view = (viewer - middle).normalized()
+    if to_viewer is not None:
+        view = to_viewer.normalized()
         if out.dot(view) < 0.0:
             out = -out
     normal = _ji_normal(obj, view) or out
@@ -119,8 +120,8 @@ def add_lamps(
     if collection is None:
         collection = bpy.data.collections.new(COLLECTION)
         scene.collection.children.link(collection)
-    viewer = scene.camera.matrix_world.translation if scene.camera else None
-    frame = frame_of(target, viewer)
+    axis = scene.camera.matrix_world.to_3x3().col[2] if scene.camera else None
+    frame = frame_of(target, axis)
     half = frame.half_length
     # Away from the viewer means: turned about the blade's length, the way the mirror direction is turned already.
     sense = 1.0 if frame.along.dot(frame.view.cross(frame.mirror)) >= 0.0 else -1.0
