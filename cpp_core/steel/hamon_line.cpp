@@ -127,11 +127,13 @@ class Drawing {
     }
 
     /// A leg under a valley, present with the chance that the parameter asks for.
-    void maybe_leg(double s, double top_q, double reach) {
+    /// Where crests may close over it, it is drawn lightly, so that it stays mist and leaves no
+    /// hole.
+    void maybe_leg(double s, double top_q, double reach, double lightly = 1.0) {
         const bool present = strips_.common_uniform() < 0.25 + 0.75 * p_.ashi;
         const double depth = top_q * std::clamp(reach + 0.16 * strips_.normal(), 0.12, 0.85);
         const double half = std::clamp(0.33 + 0.08 * strips_.normal(), 0.15, 0.6);
-        const double strength = std::clamp(0.85 + 0.12 * strips_.normal(), 0.4, 1.0);
+        const double strength = std::clamp(0.72 + 0.14 * strips_.normal(), 0.35, 0.95) * lightly;
         const double lean = 0.35 * strips_.normal();
         if (present && p_.ashi > 0.0)
             add_leg(s, top_q, depth, half, strength * std::min(1.0, 0.4 + p_.ashi), lean);
@@ -212,7 +214,7 @@ class Drawing {
                 const double split = s0 + (0.52 + 0.1 * crests_.common_uniform()) * (s1 - s0);
                 add_arch(s0, split + 0.12 * pitch, high);
                 add_arch(split - 0.05 * pitch, s1, high * 0.7);
-                maybe_leg(split, line_.base_at(split) + 0.35 * high, 0.3);
+                maybe_leg(split, line_.base_at(split) + 0.35 * high, 0.3, 0.65);
             } else if (pick < 0.28) {
                 add_arch(s0, s1, high * 0.45);
             } else {
@@ -269,7 +271,7 @@ class Drawing {
                               side * 0.14 * pitch);
                 }
                 s += pitch;
-                maybe_leg(s, line_.base_at(s) + 0.3 * high, 0.5);
+                maybe_leg(s, line_.base_at(s) + 0.3 * high, 0.5, 0.65);
             }
             const double middle = 0.5 * (start + s);
             HamonCrest swell;
