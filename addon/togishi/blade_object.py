@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import properties
+from . import blender_versions, properties
 from .core import native
 
 UV_MAP = "togishi_uv"
@@ -48,8 +48,8 @@ def fill_mesh(mesh: bpy.types.Mesh, katana: Any, unit_m: float = 1.0) -> None:
     )
     _attribute(mesh, "togishi_s_mm", "FLOAT", "POINT", "value", katana.s_mm.astype(np.float32))
     _attribute(mesh, "togishi_t_mm", "FLOAT", "POINT", "value", katana.t_mm.astype(np.float32))
-    mesh.normals_split_custom_set(katana.corner_normal)
-    mesh.validate(verbose=False)
+    blender_versions.set_corner_normals(mesh, katana.corner_normal)
+    mesh.update()
 
 
 def make(parameters: Mapping[str, Any], detail: float) -> Any:

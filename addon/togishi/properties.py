@@ -379,6 +379,7 @@ class TogishiMaterial(bpy.types.PropertyGroup):
         description="A file of wavelength in nm, n and k",
         default="",
         subtype="FILE_PATH",
+        options={"ANIMATABLE"} | blender_versions.RELATIVE_PATH,
         update=_edited,
     )
     weights: EnumProperty(
@@ -487,6 +488,7 @@ class TogishiSpectrum(bpy.types.PropertyGroup):
         description="Text file with a wavelength in nm and a power in each line",
         default="",
         subtype="FILE_PATH",
+        options={"ANIMATABLE"} | blender_versions.RELATIVE_PATH,
     )
 
 

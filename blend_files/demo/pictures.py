@@ -56,3 +56,9 @@ def contact_sheet(frames: list[NDArray[np.uint8]], columns: int, gap: int = 6) -
         x = gap + (i % columns) * (width + gap)
         sheet[y : y + height, x : x + width] = frame
     return sheet
+
+
+def load(path: Path) -> NDArray[np.uint8]:
+    """A PNG's sRGB bytes (height, width, 3), top row first."""
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"))

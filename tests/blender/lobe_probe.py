@@ -45,7 +45,8 @@ def build_quad(
     )
     corner = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corner)
-    mesh.normals_split_custom_set(np.array(normals, np.float32)[corner])
+    blender_versions.set_corner_normals(mesh, np.array(normals, np.float32)[corner])
+    mesh.update()
     obj = bpy.data.objects.new("probe", mesh)
     bpy.context.scene.collection.objects.link(obj)
     return obj
@@ -58,7 +59,10 @@ def scene_for(
     scene.render.engine = engine
     scene.render.resolution_x, scene.render.resolution_y = pixels
     scene.render.resolution_percentage = 100
+    # Samples at the pixels' centres: the scan's positions are then exact.
     scene.render.filter_size = 0.01
+    scene.cycles.pixel_filter_type = "GAUSSIAN"
+    scene.cycles.filter_width = 0.01
     scene.view_settings.view_transform = "Raw"
     scene.render.dither_intensity = 0.0
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))

@@ -69,8 +69,8 @@ PRESETS = (
         "Museum spots",
         "A row of daylight spots: black ji, bright hamon, one flash in the ji",
         (
-            *_row(7, 11.0, 1.5, 30.0, "LED-B3"),
-            Lamp("Flash", "SPOT", -0.45, 1.0, 1.7, 0.6, "LED-B3", cone_deg=30.0, blend=1.0),
+            *_row(7, 11.0, 1.5, 9.0, "D50"),
+            Lamp("Flash", "SPOT", -0.45, 1.0, 1.7, 0.25, "D50", cone_deg=30.0, blend=1.0),
         ),
         0.004,
     ),
@@ -99,8 +99,8 @@ PRESETS = (
         "Sodium street lamp",
         "Two low-pressure sodium lamps: one yellow line of the spectrum",
         (
-            Lamp("Sodium lamp", "POINT", -0.35, 7.0, 2.6, 60.0, "LPS"),
-            Lamp("Second lamp", "POINT", 0.8, 10.0, 3.0, 60.0, "LPS"),
+            Lamp("Sodium lamp", "POINT", -0.35, 7.0, 2.6, 16.0, "LPS"),
+            Lamp("Second lamp", "POINT", 0.8, 10.0, 3.0, 16.0, "LPS"),
         ),
         0.002,
     ),

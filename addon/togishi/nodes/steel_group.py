@@ -174,7 +174,10 @@ class _Builder:
         """Rust: a Lambertian ground under a dielectric gloss (shaders/shared/plain.glsl)."""
         graph = self.graph
         diffuse = graph.node("ShaderNodeBsdfDiffuse", "rust")
-        graph.connect(graph.constant3("nakago.albedo"), diffuse.inputs["Color"])
+        # Lamps stay white: the light's colour is in the group, for the rust as in the steel's table.
+        light = graph.constant3("light.rgb")
+        albedo = graph.vector("MULTIPLY", graph.constant3("nakago.albedo"), light)
+        graph.connect(albedo, diffuse.inputs["Color"])
         gloss = graph.node("ShaderNodeBsdfAnisotropic", "rust gloss")
         gloss.distribution = "BECKMANN" if self.target == CYCLES else "GGX"
         tan_mu = BECKMANN_OR_GGX[self.target]
@@ -184,7 +187,8 @@ class _Builder:
         graph.connect(graph.math("SQRT", alpha), gloss.inputs["Roughness"])
         fresnel = graph.node("ShaderNodeFresnel", "rust fresnel")
         graph.connect(graph.constant("nakago.ior"), fresnel.inputs["IOR"])
-        graph.connect(fresnel.outputs[0], gloss.inputs["Color"])
+        gloss_colour = graph.vector("SCALE", light, scale=fresnel.outputs[0])
+        graph.connect(gloss_colour, gloss.inputs["Color"])
         both = graph.node("ShaderNodeAddShader")
         graph.connect(diffuse.outputs[0], both.inputs[0])
         graph.connect(gloss.outputs[0], both.inputs[1])
@@ -251,8 +255,11 @@ def _structure(builder: _Builder) -> str:
     )
 
 
-def _set_constants(tree: bpy.types.ShaderNodeTree, values: dict[str, Any]) -> None:
+def _set_constants(tree: bpy.types.ShaderNodeTree, values: dict[str, Any], spectrum: str) -> None:
     core = native.core()
+    set_constant(
+        tree, "light.rgb", core.light_rgb(spectrum, space=blender_versions.working_space())
+    )
     for name, part in values["parts"].items():
         encoded = core.encode_lobe(
             np.array([part["mu_t_deg"]]), np.array([part["mu_b_deg"]]), np.array([part["rho_deg"]])
@@ -288,7 +295,7 @@ def update_group(material: bpy.types.Material, target: str) -> bpy.types.ShaderN
             node = tree.nodes.get(label)
             if node is not None:
                 node.image = image
-    _set_constants(tree, properties.material_dict(material))
+    _set_constants(tree, properties.material_dict(material), material.togishi.node_spectrum)
     return tree
 
 
