@@ -21,7 +21,7 @@ def build() -> None:
     for lamp in made:
         if lamp.name.endswith("Flash"):
             bpy.data.objects.remove(lamp)
-    frame = light_rig.frame_of(blade, camera.matrix_world.translation)
+    frame = light_rig.frame_of(blade, camera.matrix_world.to_3x3().col[2])
     data = bpy.data.lights.new("Sweep", "SPOT")
     data.energy = 1.4 * (frame.half_length / 0.5) ** 2
     data.spot_size, data.spot_blend = 0.9, 1.0

@@ -27,7 +27,9 @@ from togishi.core import bake_cost  # noqa: E402
 
 WHOLE, CLOSE, COMPARED = (1600, 360), (1200, 520), (960, 416)
 MIDDLE_MM, CLOSE_UP_MM = 262.0, 430.0
-SWEEP_FRAMES, SWEEP_SIZE = 48, (960, 240)
+SAMPLES = 32
+CLOSE_UP_LAMPS_MM = (330.0, 530.0)
+SWEEP_FRAMES, SWEEP_SIZE = 72, (960, 240)
 ELSEWHERE_SIZE, ELSEWHERE_SAMPLES = (960, 416), {"CYCLES": 64, "EEVEE": 16}
 
 Step = Callable[[], Section]
@@ -80,74 +82,101 @@ class Demo:
             table=rows,
         )
 
+    def shoot(self, name: str, size: tuple[int, int], caption: str, level: float = 99.0) -> Picture:
+        """A final render by our engine, exposed for the level-th percentile of what is not black."""
+        shot = studio.shoot(self.scene, self.out, size, "TOGISHI", SAMPLES)
+        self.exposure = pictures.exposure_of(shot.rgb, shot.rgb.sum(axis=-1) > 1e-6, level)
+        return self.save(
+            f"{name}.png",
+            pictures.to_display(shot.rgb, self.exposure),
+            f"{caption} {shot.seconds:.1f} s.",
+        )
+
     def whole(self) -> Section:
         studio.aim_camera(self.scene, self.blade, MIDDLE_MM, 1010.0)
-        studio.light(self.scene, self.blade, 9.0, kind="POINT", count=9, power=9.0)
-        shot = studio.shoot(self.scene, self.out, WHOLE, "TOGISHI", 32)
-        exposure = pictures.exposure_of(shot.rgb, shot.rgb.sum(axis=-1) > 0.0, 98.0)
-        picture = self.save(
-            "whole.png",
-            pictures.to_display(shot.rgb, exposure),
-            f"Nine lamps in a row, 9° off the mirror direction; {shot.seconds:.1f} s for 32 samples a pixel.",
-        )
+        studio.light(self.scene, self.blade, 9.0, lamps=(31, 1), room=0.25)
+        caption = f"31 lamps in a row, 9° off the mirror direction; {SAMPLES} samples a pixel in"
         return Section(
             "The whole blade",
-            "The ji mirrors the dark room and is black; the ha, five degrees rough, still catches the lamps.",
-            [[picture]],
+            "The ji mirrors the dark room and is nearly black; the ha, five degrees rough, still catches the lamps.",
+            [[self.shoot("whole", WHOLE, caption)]],
         )
 
     def hamon(self) -> Section:
-        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 95.0)
+        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 72.0)
         shown = []
         for name, angle, text in (
-            ("off", 8.0, "8° off the mirror direction: the ha glows, the ji is nearly black."),
-            ("between", 3.0, "3° off: the nioiguchi stands between them as a bright misty line."),
-            ("mirror", 0.0, "In the mirror direction: the ji flashes and the ha stays behind."),
+            ("off", 11.0, "Off the mirror direction: the ha glows, the ji is nearly black."),
+            ("between", 5.0, "Between: the nioiguchi stands out as a bright misty line."),
+            (
+                "mirror",
+                0.0,
+                "In the mirror direction: the ji flashes, with its hada; the ha stays behind.",
+            ),
         ):
-            studio.light(self.scene, self.blade, angle)
-            shot = studio.shoot(self.scene, self.out, CLOSE, "TOGISHI", 32)
-            exposure = pictures.exposure_of(shot.rgb, shot.rgb.sum(axis=-1) > 0.0, 97.0)
-            shown.append(
-                self.save(f"hamon_{name}.png", pictures.to_display(shot.rgb, exposure), text)
+            studio.light(
+                self.scene,
+                self.blade,
+                angle,
+                along_mm=CLOSE_UP_LAMPS_MM,
+                lamps=(25, 5),
+                room=0.25,
             )
+            shown.append([self.shoot(f"hamon_{name}", CLOSE, f"{text} {angle:.0f}°,", 99.9)])
         return Section(
             "The hamon, as the lamp moves",
-            "95 mm of the blade under one lamp. Each picture has its own exposure, as an eye would.",
-            [[p] for p in shown],
+            "72 mm of the blade under a small soft box. Each picture has its own exposure, as an eye would.",
+            shown,
+        )
+
+    def kissaki(self) -> Section:
+        studio.aim_camera(self.scene, self.blade, 705.0, 78.0)
+        shown = []
+        for name, angle in (("kissaki_off", 9.0), ("kissaki_mirror", 2.0)):
+            studio.light(
+                self.scene, self.blade, angle, along_mm=(560.0, 850.0), lamps=(25, 5), room=0.25
+            )
+            shown.append(
+                self.shoot(name, CLOSE, f"{angle:.0f}° off the mirror direction of the ji,")
+            )
+        return Section(
+            "The point",
+            "Yokote, ko-shinogi and fukura; the boshi turns back along the mune.",
+            [shown],
         )
 
     def anisotropy(self) -> Section:
-        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 300.0)
-        studio.light(self.scene, self.blade, 1.0, kind="POINT", count=5, power=5.0)
+        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 150.0)
+        studio.light(self.scene, self.blade, 1.0, along_mm=(360.0, 500.0), lamps=(3, 1), room=0.25)
         settings = self.blade.active_material.togishi
         kept = {p: (getattr(settings, p).mu_t_deg, getattr(settings, p).mu_b_deg) for p in PARTS}
-        shown = []
-        for name, text in (
-            ("anisotropic", "As polished: highlights are long across the strokes."),
-            ("isotropic", "The same energy without direction: round blobs, no steel."),
-        ):
-            shot = studio.shoot(self.scene, self.out, CLOSE, "TOGISHI", 32)
-            if name == "anisotropic":
-                self.exposure = pictures.exposure_of(shot.rgb, shot.rgb.sum(axis=-1) > 0.0, 98.0)
-            shown.append(
-                self.save(f"{name}.png", pictures.to_display(shot.rgb, self.exposure), text)
-            )
+        anisotropic = self.shoot("anisotropic", CLOSE, "As polished,")
+        exposure = self.exposure
+        try:
             for part, (mu_t_deg, mu_b_deg) in kept.items():
                 lobe = getattr(settings, part)
                 lobe.mu_t_deg = lobe.mu_b_deg = (mu_t_deg * mu_b_deg) ** 0.5
             studio.bake(self.blade)
-        for part, (mu_t_deg, mu_b_deg) in kept.items():
-            lobe = getattr(settings, part)
-            lobe.mu_t_deg, lobe.mu_b_deg = mu_t_deg, mu_b_deg
-        studio.bake(self.blade)
+            shot = studio.shoot(self.scene, self.out, CLOSE, "TOGISHI", SAMPLES)
+        finally:
+            for part, (mu_t_deg, mu_b_deg) in kept.items():
+                lobe = getattr(settings, part)
+                lobe.mu_t_deg, lobe.mu_b_deg = mu_t_deg, mu_b_deg
+            studio.bake(self.blade)
+        isotropic = self.save(
+            "isotropic.png",
+            pictures.to_display(shot.rgb, exposure),
+            f"The same lobes made round, same exposure, {shot.seconds:.1f} s.",
+        )
         return Section(
             "Anisotropic and isotropic",
-            "The polisher's strokes scatter light across themselves. Right: the same lobes made round, same exposure.",
-            [shown],
+            "The polisher's strokes scatter light across themselves: highlights are long across the strokes. Three lamps, "
+            "and their flashes in the ji.",
+            [[anisotropic, isotropic]],
         )
 
     def spectra(self) -> Section:
-        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 95.0)
+        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 72.0)
         rows: list[list[Picture]] = []
         table = [["light", "largest ΔE00", "mean ΔE00", "GPU", "reference"]]
         for spectrum, title in (
@@ -155,7 +184,14 @@ class Demo:
             ("A", "filament lamp A"),
             ("LPS", "low-pressure sodium lamp"),
         ):
-            studio.light(self.scene, self.blade, 3.0, spectrum)
+            studio.light(
+                self.scene,
+                self.blade,
+                4.0,
+                spectrum=spectrum,
+                along_mm=CLOSE_UP_LAMPS_MM,
+                lamps=(13, 1),
+            )
             result = studio.compare(self.scene, COMPARED)
             exposure = pictures.exposure_of(result.reference_rgb, result.steel, 97.0)
             rows.append(
@@ -195,12 +231,14 @@ class Demo:
         )
 
     def elsewhere(self) -> Section:
-        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 95.0)
-        studio.light(self.scene, self.blade, 3.0)
+        studio.aim_camera(self.scene, self.blade, CLOSE_UP_MM, 72.0)
+        studio.light(
+            self.scene, self.blade, 4.0, along_mm=CLOSE_UP_LAMPS_MM, lamps=(13, 1), room=0.25
+        )
         eevee = "BLENDER_EEVEE_NEXT" if studio.has_engine("BLENDER_EEVEE_NEXT") else "BLENDER_EEVEE"
         shown, exposure = [], 1.0
         for name, engine, samples in (
-            ("Togishi", "TOGISHI", 32),
+            ("Togishi", "TOGISHI", SAMPLES),
             ("Cycles", "CYCLES", ELSEWHERE_SAMPLES["CYCLES"]),
             ("EEVEE", eevee, ELSEWHERE_SAMPLES["EEVEE"]),
         ):
@@ -278,7 +316,7 @@ class Demo:
             f"{SWEEP_FRAMES} frames by `python -m togishi render` in {seconds:.0f} s.",
             [
                 [Picture("sweep.mp4", "The sweep as a film.")],
-                [self.save("sweep_sheet.png", sheet, "Every fourth frame, in reading order.")],
+                [self.save("sweep_sheet.png", sheet, "Every sixth frame, in reading order.")],
             ],
         )
 
@@ -304,6 +342,7 @@ def main() -> int:
         ("files by the command line", demo.input_files),
         ("the whole blade", demo.whole),
         ("the hamon as the lamp moves", demo.hamon),
+        ("the point", demo.kissaki),
         ("anisotropic and isotropic", demo.anisotropy),
         ("three lamps beside the reference", demo.spectra),
         ("Cycles and EEVEE", demo.elsewhere),

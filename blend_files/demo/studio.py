@@ -90,19 +90,33 @@ def light(
     scene: bpy.types.Scene,
     blade: bpy.types.Object,
     off_mirror_deg: float,
+    *,
     spectrum: str = "D65",
-    kind: str = "SUN",
-    count: int = 1,
-    power: float = 1.0,
+    along_mm: tuple[float, float] = (-100.0, 736.0),
+    lamps: tuple[int, int] = (25, 1),
+    room: float = 0.0,
 ) -> None:
-    """Replaces the lamps by suns, or by a row of points, that stand this far off the mirror direction."""
+    """Replaces the lamps by a soft box of points over this stretch of the blade, so far off the mirror direction.
+
+    lamps: how many along and across the blade (1.1 degrees apart); together 10 W. room: radiance of the surroundings.
+    """
     light_rig.clear(scene)
-    places = [0.0] if count == 1 else [-0.95 + 1.9 * i / (count - 1) for i in range(count)]
-    lamps = tuple(
-        Lamp(f"Lamp {i + 1}", kind, place, off_mirror_deg, 1.6, power / count, spectrum)
+    frame = light_rig.frame_of(blade)
+    ends = [
+        (blade.matrix_world @ Vector((x * 1e-3, 0.0, 0.0)) - frame.middle).dot(frame.along)
+        / frame.half_length
+        for x in along_mm
+    ]
+    places = np.linspace(*ends, lamps[0]) if lamps[0] > 1 else [0.5 * sum(ends)]
+    turns = off_mirror_deg + 1.1 * (np.arange(lamps[1]) - 0.5 * (lamps[1] - 1))
+    power_w = 10.0 / (lamps[0] * lamps[1])
+    chosen = tuple(
+        Lamp(f"Lamp {i}.{j}", "POINT", float(place), float(turn), 1.6, power_w, spectrum)
         for i, place in enumerate(places)
+        for j, turn in enumerate(turns)
     )
-    light_rig.add_lamps(scene, blade, LightPreset("DEMO", "Demo", "", lamps, 0.0), set_world=False)
+    light_rig.add_lamps(scene, blade, LightPreset("DEMO", "Demo", "", chosen, 0.0), set_world=False)
+    light_rig.set_world_grey(scene.world, room)
     bpy.context.view_layer.update()
 
 
@@ -122,7 +136,8 @@ def shoot(
     render = scene.render
     render.engine = engine
     render.resolution_x, render.resolution_y = size
-    render.film_transparent = False
+    # The room is mirrored in the blade, but the picture's ground stays black.
+    render.film_transparent = True
     scene.togishi.samples = samples
     if engine == "CYCLES":
         scene.cycles.samples, scene.cycles.use_denoising = samples, False
