@@ -176,3 +176,4 @@ if __name__ == "__main__":
     write_measurement(
         options.out, measure(options.quick, lambda text: print(text, file=sys.stdout, flush=True))
     )
+    bench_gpu.leave()

@@ -37,3 +37,4 @@ def main(path: str) -> None:
 
 if __name__ == "__main__":
     main(sys.argv[1])
+    bench_gpu.leave()

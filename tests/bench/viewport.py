@@ -284,7 +284,7 @@ def light_update(repeats: int, say: Say) -> Row:
 def measure(quick: bool, say: Say) -> Measurement:
     machine = bench_gpu.start()
     togishi.register()
-    frames = 4 if quick else 24
+    frames = 3 if quick else 20
     rows = []
     rows += against_eevee("ratio_eevee", False, frames, say)
     rows += against_eevee("ratio_eevee_maps", True, frames, say)
@@ -299,3 +299,4 @@ if __name__ == "__main__":
     write_measurement(
         options.out, measure(options.quick, lambda text: print(text, file=sys.stdout, flush=True))
     )
+    bench_gpu.leave()
