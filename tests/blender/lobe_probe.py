@@ -45,6 +45,8 @@ def build_quad(
     )
     corner = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corner)
+    from togishi import blender_versions
+
     blender_versions.set_corner_normals(mesh, np.array(normals, np.float32)[corner])
     mesh.update()
     obj = bpy.data.objects.new("probe", mesh)

@@ -64,7 +64,7 @@ def test_dimensions_are_kept_in_metres_whatever_the_scenes_unit():
 
 def test_impossible_dimensions_make_nothing():
     before = len(bpy.data.objects), len(bpy.data.meshes), len(bpy.data.materials)
-    with pytest.raises(RuntimeError, match="No blade was made: .*kissaki"):
+    with pytest.raises(RuntimeError, match=r"No blade was made: .*kissaki"):
         bpy.ops.mesh.togishi_katana_add(kissaki_mm=390.0, nagasa_mm=500.0, detail=DETAIL)
     assert (len(bpy.data.objects), len(bpy.data.meshes), len(bpy.data.materials)) == before
 
