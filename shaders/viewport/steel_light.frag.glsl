@@ -50,9 +50,7 @@ vec3 spectral_sum(int row, float cos_i, float cos_h, float at_theta_i, float at_
     for (int k = 0; k < TG_WAVELENGTHS; ++k) {
         vec2 nk = wavelengths.nk[k].xy;
         float f = fresnel_conductor(nk.x, nk.y, cos_i) * at_theta_i;
-#ifndef TG_ONE_LOBE
         f += fresnel_conductor(nk.x, nk.y, cos_h) * at_theta_h;
-#endif
         sum += wavelengths.rgb[row * TG_WAVELENGTHS + k].xyz * f;
     }
     return sum;
@@ -68,6 +66,10 @@ vec3 reflect_light(Arriving a, Steel s) {
     // is negative there. A loop, because some compilers turn a plain branch into two sides that are both computed.
     float exponent = s.widest * dot(n_cross_h, n_cross_h);
     int times = exponent < TG_DARK_EXPONENT && n_dot_h > 0.0 && dot(s.axes.normal, a.direction) > TG_MIN_COS ? 1 : 0;
+#ifdef TG_EVERY_LAMP
+    // Only for measuring what this saves.
+    times = 1;
+#endif
     for (int once = 0; once < times; ++once) {
 #ifdef TG_ANISOTROPIC
         Facet facet = facet_of_half_vector(half_vector, s.axes.normal, s.axes.tangent, s.axes.bitangent);
@@ -80,7 +82,7 @@ vec3 reflect_light(Arriving a, Steel s) {
         float amount = rough ? hamon_reflection(s.ji, g, s.chi) : ji_reflection(s.ji, g, s.chi);
         float cosine = rough ? g.cos_h : g.cos_i;
 #ifdef TG_BENCH_61
-        sum += a.colour * spectral_sum(a.row, cosine, 0.0, amount, 0.0);
+        sum += a.colour * spectral_sum(a.row, g.cos_i, g.cos_h, rough ? 0.0 : amount, rough ? amount : 0.0);
 #else
         sum += a.colour * (table_rgb(a.row, cosine) * amount);
 #endif

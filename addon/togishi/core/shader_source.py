@@ -269,13 +269,20 @@ def steel_light_program(
     many: bool = False,
     output_max: float = HALF_MAX,
     bench_61: bool = False,
+    every_lamp: bool = False,
 ) -> ProgramSource:
-    """Second half of polished steel: each pixel under the lamps. many: other steels are in the picture."""
+    """Second half of polished steel: each pixel under the lamps. many: other steels are in the picture.
+
+    For benchmarks: bench_61 sums over wavelengths in each pixel, both models, as the paper does;
+    every_lamp also computes lamps that a pixel's lobes do not reflect.
+    """
     defines = {**lights.defines(), **steel.defines(), "TG_OUTPUT_MAX": repr(float(output_max))}
     defines.pop("TG_TANGENT", None)  # the first half has turned it into an angle
     blocks = _light_blocks(lights)
     if many:
         defines["TG_MANY"] = ""
+    if every_lamp:
+        defines["TG_EVERY_LAMP"] = ""
     if bench_61:
         defines["TG_BENCH_61"] = ""
         blocks = (*blocks, ("TgWavelengths", "wavelengths"))

@@ -211,17 +211,19 @@ class Renderer:
         float32: bool = False,
         lod_bias: float = 0.0,
         bench_61: bool = False,
+        every_lamp: bool = False,
     ) -> Picture:
         """Colour (half float, or float32) of one sample per pixel. Leaves the GPU state as it found it.
 
         lod_bias: added to the level of maps; -log2(samples)/2 where samples are gathered.
+        bench_61, every_lamp: slower ways to the same picture, for benchmarks (steel_light_program).
 
         Polished steel is drawn in two halves: its triangles leave normal, depth and lobes, then every pixel
         is lit once. Triangles of a scanned blade are smaller than the blocks of pixels that GPUs shade, and
         lighting them directly computes a pixel up to five times.
         """
         output_max = shader_source.FLOAT_MAX if float32 else shader_source.HALF_MAX
-        self._prepare(scene, output_max, bench_61)
+        self._prepare(scene, output_max, bench_61, every_lamp)
         space = packing.view_space(camera, size, jitter)
         targets = self._targets_of(size, "RGBA32F" if float32 else "RGBA16F")
         background = self._background(scene, output_max)
@@ -505,9 +507,11 @@ class Renderer:
 
     # --- what a scene needs on the GPU ----------------------------------------------------------
 
-    def _prepare(self, scene: SceneData, output_max: float, bench_61: bool) -> None:
+    def _prepare(
+        self, scene: SceneData, output_max: float, bench_61: bool = False, every_lamp: bool = False
+    ) -> None:
         """Upload what is new and list what is drawn, unless this very scene was drawn last."""
-        prepared = (scene, output_max, bench_61)
+        prepared = (scene, output_max, bench_61, every_lamp)
         if self._prepared == prepared:
             return
         self._upload(scene)
@@ -539,7 +543,12 @@ class Renderer:
             blade = scene.materials[key]
             assert isinstance(blade, BladeMaterial)
             second = shader_source.steel_light_program(
-                lights, variant, many=len(groups) > 1, output_max=output_max, bench_61=bench_61
+                lights,
+                variant,
+                many=len(groups) > 1,
+                output_max=output_max,
+                bench_61=bench_61,
+                every_lamp=every_lamp,
             )
             self._steels.append(_Steel(number, key, blade.steel, variant, second, items))
         self._prepared = prepared
