@@ -5,8 +5,6 @@
 #include <bit>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <stdexcept>
 #include <unordered_map>
 
 #include "base/atomic_file.hpp"
@@ -21,7 +19,7 @@ static_assert(std::endian::native == std::endian::little,
 // Text and bytes gathered and handed on in large pieces.
 class Writer {
   public:
-    explicit Writer(const std::filesystem::path& path) : out_(path, std::ios::binary) {}
+    explicit Writer(AtomicFile& file) : file_(file) {}
     template <typename Value>
     void raw(const Value& value) {
         static_assert(std::is_trivially_copyable_v<Value>);
@@ -39,19 +37,14 @@ class Writer {
         const int length = std::snprintf(line.data(), line.size(), format, values...);
         text(std::string_view(line.data(), static_cast<std::size_t>(length)));
     }
-    /// Whether everything has reached the disk.
-    bool close() {
-        flush();
-        out_.close();
-        return static_cast<bool>(out_);
+    /// Hands on what is left.
+    void flush() {
+        file_.write(buffer_);
+        buffer_.clear();
     }
 
   private:
-    void flush() {
-        out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-        buffer_.clear();
-    }
-    std::ofstream out_;
+    AtomicFile& file_;
     std::string buffer_;
 };
 
@@ -149,17 +142,13 @@ void write_katana_mesh(const std::filesystem::path& target, const KatanaMesh& me
                          extension.empty() ? "missing" : extension, ".ply, .obj");
     }
     AtomicFile file(target);
-    Writer out(file.path());
+    Writer out(file);
     if (extension == ".ply") {
         write_ply(out, mesh);
     } else {
         write_obj(out, mesh);
     }
-    if (!out.close()) {
-        throw std::runtime_error(target.string() +
-                                 ": could not be written whole (is the disk full?); the file that "
-                                 "stood there before is untouched");
-    }
+    out.flush();
     file.commit();
 }
 

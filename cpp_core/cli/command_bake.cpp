@@ -1,5 +1,7 @@
 // togishi bake: a blade's property maps as OpenEXR, and the Fresnel table of a metal under a light
 // as CSV.
+#include <unistd.h>
+
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -14,12 +16,12 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "brdf/material.hpp"
+#include "cli/blade_options.hpp"
 #include "cli/commands.hpp"
 #include "image/map_file.hpp"
 #include "steel/steel_pattern.hpp"
 // After the model's formulas, which must not see the blade's own arithmetic.
 #include "blade/katana_frame.hpp"
-#include "blade/katana_parameters.hpp"
 
 namespace togishi::cli {
 namespace {
@@ -28,11 +30,11 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
     std::string output;
-    std::string zukuri = "shinogi";
+    BladeOptions blade;
     std::string material{default_material_name};
     std::vector<std::string> pattern;  // key=value
-    std::size_t width = 4096;
-    std::size_t height = 512;
+    std::int64_t width = 4096;
+    std::int64_t height = 512;
     bool single = false;
     std::vector<std::string> table;  // metal, light
     std::string observer{default_observer};
@@ -74,22 +76,30 @@ Json bake_maps(const Options& options) {
     if (!options.output.ends_with(".exr")) {
         throw InputError("--output", "file name", options.output, "a name that ends in .exr");
     }
+    check_map_size(options.output, options.width, options.height);
+    check_output_folder(options.output);
     SteelParameters pattern;
     for (const auto& assignment : options.pattern) set_pattern(pattern, assignment);
     check_steel_parameters(pattern);
     const Material material = load_material(options.material);
-    const BladeFrame frame = make_blade_frame(katana_defaults(options.zukuri));
+    const KatanaPreset blade = chosen_blade(options.blade);
+    const BladeFrame frame = make_blade_frame(blade.parameters);
+    const auto progress = [](double done) {
+        if (isatty(STDERR_FILENO) == 0) return true;  // a log is not for overwriting
+        std::cerr << "\rtogishi bake: " << std::setw(3) << static_cast<int>(100 * done) << " %"
+                  << (done < 1 ? "" : "\n") << std::flush;
+        return true;
+    };
     const PropertyMaps maps =
-        steel_pattern(frame, material, pattern, options.width, options.height, [](double done) {
-            std::cerr << "\rtogishi bake: " << std::setw(3) << static_cast<int>(100 * done) << " %"
-                      << std::flush;
-            return true;
-        });
-    std::cerr << "\rtogishi bake: writing " << options.output << '\n';
+        steel_pattern(frame, material, pattern, static_cast<std::size_t>(options.width),
+                      static_cast<std::size_t>(options.height), progress);
     MapFileInfo info;
     info.chart_mm = {static_cast<float>(frame.length_mm()),
                      static_cast<float>(frame.chart_height_mm)};
-    info.source = "generated: " + options.zukuri + ", " + material.name;
+    info.source = "generated: " + blade.title + ", " + material.name;
+    for (const auto& [key, name] : options.blade.choices) info.source += ", " + key + "=" + name;
+    for (const auto& [key, value] : options.blade.dimensions)
+        info.source += ", " + key + "=" + Json(value).dump();
     for (const auto& assignment : options.pattern) info.source += ", " + assignment;
     info.software = "togishi " TOGISHI_VERSION;
     write_map_file(options.output, maps, info,
@@ -99,6 +109,8 @@ Json bake_maps(const Options& options) {
     report["width"] = maps.width;
     report["height"] = maps.height;
     report["chart_mm"] = info.chart_mm;
+    report["blade"] = blade.title;
+    report["parameters"] = json_of(blade.parameters);
     report["material"] = material.name;
     Json channels = Json::object();
     for (std::size_t c = 0; c < map_channel_count; ++c) {
@@ -133,13 +145,7 @@ Json bake_table(const Options& options) {
         text << x * x << ',' << table[3 * i] << ',' << table[3 * i + 1] << ',' << table[3 * i + 2]
              << '\n';
     }
-    try {
-        write_text_file(options.output, text.str());
-    } catch (const InputError&) {
-        throw;
-    } catch (const std::runtime_error& error) {
-        throw InputError(options.output, "output", error.what(), "a place with room for it");
-    }
+    write_text_file(options.output, text.str());
     Json report;
     report["file"] = options.output;
     report["metal"] = options.table[0];
@@ -155,6 +161,7 @@ void run(const Options& options, const Common& common) {
         return;
     }
     for (const auto& [key, value] : report.items()) {
+        if (key == "parameters") continue;  // two dozen dimensions: for machines
         std::cout << std::left << std::setw(10) << key << ' '
                   << (value.is_string() ? value.get<std::string>() : value.dump()) << '\n';
     }
@@ -167,10 +174,6 @@ void add_bake_command(CLI::App& app, const Common& common) {
     auto* command = app.add_subcommand(
         "bake", "Write property maps of a blade (.exr), or a Fresnel table (.csv)");
     command->add_option("-o,--output", options->output, "File to write")->required();
-    command
-        ->add_option("--zukuri", options->zukuri,
-                     "Blade shape, with its default dimensions: shinogi, hira, shobu")
-        ->capture_default_str();
     command->add_option("--material", options->material, "Built-in material or .toml file")
         ->capture_default_str();
     command->add_option("--pattern", options->pattern,
@@ -189,6 +192,7 @@ void add_bake_command(CLI::App& app, const Common& common) {
         ->capture_default_str();
     command->add_option("--table-size", options->table_size, "Rows of the table")
         ->capture_default_str();
+    add_blade_options(*command, options->blade);
     command->callback([options, &common] { run(*options, common); });
 }
 

@@ -99,7 +99,7 @@ void add_info_command(CLI::App& app, const Common& common) {
     auto* command = app.add_subcommand(
         "info", "Print version, build and built-in data; or what FILE is and its checks");
     command->add_option("file", options->file,
-                        "A data table (.csv), a material (.toml) or a map (.exr)");
+                        "A data table (.csv), a material or blade preset (.toml) or a map (.exr)");
     command->add_flag("--licences", options->licences,
                       "Print the licence texts of the built-in data");
     command->callback([options, &common] {

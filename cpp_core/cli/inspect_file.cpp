@@ -1,5 +1,7 @@
 #include <array>
 #include <fstream>
+#include <sstream>
+#include <string>
 #include <string_view>
 #include <system_error>
 
@@ -20,6 +22,22 @@ std::string first_bytes(const std::filesystem::path& path) {
     return {bytes.data(), static_cast<std::size_t>(in.gcount())};
 }
 
+// A blade preset has a table [katana]; any other TOML is read, and where wrong refused, as a
+// material. By its lines, so that a preset with an error in it is still told to be one.
+bool is_blade_preset(const std::filesystem::path& path) {
+    constexpr std::size_t enough = 1 << 20;
+    std::string text(enough, '\0');
+    std::ifstream in(path, std::ios::binary);
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });
+        if (line.starts_with("[katana]") || line.starts_with("katana=")) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 nlohmann::ordered_json inspect_file(const std::filesystem::path& path) {
@@ -28,8 +46,9 @@ nlohmann::ordered_json inspect_file(const std::filesystem::path& path) {
         throw InputError(path.string(), "file", "missing or no regular file",
                          "a .csv, .toml or .exr file");
     }
-    if (first_bytes(path) == exr_magic) return inspect_map(path);
-    if (path.extension() == ".toml") return inspect_material(path);
+    if (first_bytes(path) == exr_magic || path.extension() == ".exr") return inspect_map(path);
+    if (path.extension() == ".toml")
+        return is_blade_preset(path) ? inspect_blade(path) : inspect_material(path);
     return inspect_table(path);
 }
 

@@ -1,5 +1,6 @@
 // The `togishi` command. Results go to stdout; progress and errors to stderr.
 // Exit codes: 0 done, 1 something failed here, 2 the input was wrong.
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -35,12 +36,14 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    // A quota then fails the write, and we can say so, instead of killing us over a half file.
+    std::signal(SIGXFSZ, SIG_IGN);
     try {
         const int code = run(argc, argv);
         // A full disk or a closed pipe shows itself only here.
         if (!std::cout.flush()) {
-            std::cerr << "togishi: the output could not be written whole (is the disk full?)\n";
-            return failed;
+            throw togishi::InputError("standard output", "output", "not written whole (disk full?)",
+                                      "a place with room for it");
         }
         return code;
     } catch (const togishi::InputError& error) {

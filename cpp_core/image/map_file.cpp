@@ -1,7 +1,6 @@
 #include "image/map_file.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <sstream>
 #include <string_view>
@@ -34,12 +33,6 @@ std::string all_channels() {
     return names;
 }
 
-bool size_allowed(std::size_t width, std::size_t height) {
-    return width > 0 && height > 0 && width <= max_map_size && height <= max_map_size &&
-           width * height <= max_map_texels;
-}
-constexpr const char* sizes_allowed = "1 to 32768 texels either way, 67108864 in all";
-
 // Level as OpenImageIO wants it: channels interleaved, top row first.
 std::vector<float> interleave(const PropertyMaps& level, const std::vector<std::size_t>& channels) {
     std::vector<float> pixels(level.width * level.height * channels.size());
@@ -69,11 +62,6 @@ OIIO::ImageSpec spec_of(const PropertyMaps& level, const std::vector<std::size_t
     return spec;
 }
 
-[[noreturn]] void fail_writing(const std::filesystem::path& path, const std::string& reason) {
-    throw InputError(path.string(), "output", "not written whole (" + reason + ")",
-                     "a place with room for it; what stood there before is untouched");
-}
-
 [[noreturn]] void fail_reading(const std::filesystem::path& path, const std::string& reason) {
     throw InputError(path.string(), "content", "unreadable (" + reason + ")",
                      "a whole OpenEXR file");
@@ -88,7 +76,7 @@ std::string one_line(std::string text) {
 
 // The whole file as bytes. Not straight to the disk: where a write fails, the OpenEXR library of
 // Debian 12 waits for ever.
-std::vector<unsigned char> encoded_levels(const std::filesystem::path& path,
+std::vector<unsigned char> encoded_levels(const AtomicFile& file,
                                           const std::vector<const PropertyMaps*>& levels,
                                           const MapFileInfo& info, MapPrecision precision) {
     const PropertyMaps& first = *levels.front();
@@ -124,13 +112,14 @@ std::vector<unsigned char> encoded_levels(const std::filesystem::path& path,
             if (!info.source.empty()) spec.attribute(source_key, info.source);
         }
         const auto mode = n == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendMIPLevel;
-        if (!out->open(path.string(), spec, mode)) fail_writing(path, one_line(out->geterror()));
+        if (!out->open(file.path().string(), spec, mode))
+            file.fail_writing(one_line(out->geterror()));
         const std::vector<float> pixels = interleave(*levels[n], channels);
         if (!out->write_image(OIIO::TypeDesc::FLOAT, pixels.data())) {
-            fail_writing(path, one_line(out->geterror()));
+            file.fail_writing(one_line(out->geterror()));
         }
     }
-    if (!out->close()) fail_writing(path, one_line(out->geterror()));
+    if (!out->close()) file.fail_writing(one_line(out->geterror()));
     out.reset();  // flushes
     return bytes.buffer();
 }
@@ -198,14 +187,10 @@ void check_header(const std::filesystem::path& path, const OIIO::ImageSpec& spec
                          format == 0 ? "missing" : std::to_string(format),
                          "1: property maps as `togishi bake` writes them");
     }
-    if (spec.width < 1 || spec.height < 1 || spec.depth != 1 ||
-        !size_allowed(static_cast<std::size_t>(spec.width),
-                      static_cast<std::size_t>(spec.height))) {
-        throw InputError(path.string(), "size",
-                         std::to_string(spec.width) + " x " + std::to_string(spec.height) + " x " +
-                             std::to_string(spec.depth),
-                         sizes_allowed);
+    if (spec.depth != 1) {
+        throw InputError(path.string(), "depth", std::to_string(spec.depth), "1");
     }
+    check_map_size(path, spec.width, spec.height);
     if (spec.nchannels < 1 || spec.nchannels > static_cast<int>(map_channel_count)) {
         throw InputError(path.string(), "channels", std::to_string(spec.nchannels), all_channels());
     }
@@ -213,12 +198,20 @@ void check_header(const std::filesystem::path& path, const OIIO::ImageSpec& spec
 
 }  // namespace
 
+void check_map_size(const std::filesystem::path& where, std::int64_t width, std::int64_t height) {
+    constexpr auto most = static_cast<std::int64_t>(max_map_size);
+    constexpr auto most_texels = static_cast<std::int64_t>(max_map_texels);
+    if (width > 0 && height > 0 && width <= most && height <= most && width * height <= most_texels)
+        return;
+    throw InputError(where.string(), "map size",
+                     std::to_string(width) + " x " + std::to_string(height),
+                     "1 to 32768 texels either way, 67108864 in all");
+}
+
 void write_map_file(const std::filesystem::path& path, const PropertyMaps& maps,
                     const MapFileInfo& info, MapPrecision precision) {
-    if (!size_allowed(maps.width, maps.height)) {
-        throw InputError(path.string(), "map size", size_text(maps.width, maps.height),
-                         sizes_allowed);
-    }
+    check_map_size(path, static_cast<std::int64_t>(maps.width),
+                   static_cast<std::int64_t>(maps.height));
     const MapView view = view_of(maps);
     const std::vector<PropertyMaps> coarse = coarser_levels(view);
     if (!is_valid(view)) {
@@ -231,12 +224,8 @@ void write_map_file(const std::filesystem::path& path, const PropertyMaps& maps,
     std::vector<const PropertyMaps*> levels{&maps};
     for (const PropertyMaps& level : coarse) levels.push_back(&level);
     AtomicFile file(path);
-    const std::vector<unsigned char> bytes = encoded_levels(path, levels, info, precision);
-    std::ofstream out(file.path(), std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out) fail_writing(path, "is the disk full?");
+    const std::vector<unsigned char> bytes = encoded_levels(file, levels, info, precision);
+    file.write(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     file.commit();
 }
 

@@ -12,6 +12,7 @@
 // | Software         | text: program and version that wrote the file |
 #pragma once
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -41,6 +42,9 @@ struct MapFile {
     MapFileInfo info;
     MapRepair repair;  ///< what level 0 held and must not; the levels are then made anew
 };
+
+/// Throws InputError for a size beyond the limits; `where` names the file.
+void check_map_size(const std::filesystem::path& where, std::int64_t width, std::int64_t height);
 
 /// Writes level 0 and its mip levels, whole or not at all: under a temporary name, then renamed. A
 /// map that holds NaN or values out of range is refused, not mended. Throws InputError naming the

@@ -3,12 +3,14 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numeric>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/atomic_file.hpp"
@@ -67,11 +69,41 @@ TEST_F(AtomicFiles, LeaveTheOldFileWhenTheDiskIsFull) {
     ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &previous), 0);
     const rlimit small{4096, previous.rlim_max};
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-    EXPECT_THROW(togishi::write_text_file(folder / "a.txt", std::string(1U << 20U, 'x')),
-                 std::runtime_error);
+    // In one piece, and in small ones that fail late.
+    std::vector<std::string> said;
+    for (const std::size_t piece : {std::size_t{1} << 20U, std::size_t{100}}) {
+        try {
+            togishi::AtomicFile file(folder / "a.txt");
+            for (std::size_t done = 0; done < 5000; done += piece)
+                file.write(std::string(piece, 'x'));
+            file.commit();
+            said.emplace_back("no error");
+        } catch (const togishi::InputError& error) {
+            said.emplace_back(error.what());
+        }
+    }
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &previous), 0);
     std::signal(SIGXFSZ, previous_handler);
+    for (const std::string& sentence : said) {
+        EXPECT_NE(sentence.find((folder / "a.txt").string() + ": output is not written whole (" +
+                                std::generic_category().message(EFBIG)),
+                  std::string::npos)
+            << sentence;
+    }
     EXPECT_EQ(read(folder / "a.txt"), "first");
+    EXPECT_EQ(files_in(folder), 1U);
+}
+
+TEST_F(AtomicFiles, RefuseToReplaceAFolder) {
+    fs::create_directories(folder / "a.txt" / "inside");
+    try {
+        togishi::write_text_file(folder / "a.txt", "text");
+        FAIL() << "no error";
+    } catch (const togishi::InputError& error) {
+        const std::string what = error.what();
+        EXPECT_NE(what.find("a.txt: output is not to be replaced"), std::string::npos) << what;
+    }
+    EXPECT_TRUE(fs::is_directory(folder / "a.txt" / "inside"));
     EXPECT_EQ(files_in(folder), 1U);
 }
 

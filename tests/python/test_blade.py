@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-tc = pytest.importorskip("togishi_core")
+import togishi_core as tc
 
 
 def triangles(katana):

@@ -140,7 +140,7 @@ def test_a_full_disk_is_a_failure(togishi_cli: Path) -> None:
             [str(togishi_cli), "spectrum", "D65"], stdout=full, stderr=subprocess.PIPE, text=True,
             check=False,
         )  # fmt: skip
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert "disk full" in done.stderr
 
 

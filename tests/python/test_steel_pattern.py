@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-
-core = pytest.importorskip("togishi_core")
+import togishi_core as core
 
 SHORT = {
     "nagasa_mm": 220,
