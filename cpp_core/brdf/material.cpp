@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -37,6 +38,7 @@ std::string text_of(const toml::node& node) {
     std::ostringstream out;
     if (node.is_table()) return "a table";
     if (node.is_array()) return "a list";
+    if (const auto number = node.value_exact<double>()) return number_text(*number);
     node.visit([&](const auto& value) { out << value; });
     std::string text = out.str();
     constexpr std::size_t longest = 60;
@@ -195,10 +197,24 @@ Material read_material(const toml::table& table, const Source& where) {
     return material;
 }
 
+// A TOML basic string. Our own: what the library prints for a text with quotes and line ends, it
+// does not read back.
 std::string quoted(const std::string& text) {
-    std::ostringstream out;
-    out << toml::value<std::string>(text);
-    return out.str();
+    std::string out = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            out += '\\';
+            out += c;
+        } else if (code < 0x20 || code == 0x7f) {
+            std::array<char, 8> escape{};
+            std::snprintf(escape.data(), escape.size(), "\\u%04X", code);
+            out += escape.data();
+        } else {
+            out += c;
+        }
+    }
+    return out + "\"";
 }
 
 const EmbeddedFile* find_builtin(std::string_view name) {
