@@ -1,5 +1,5 @@
-// The reflection model of shaders/shared, compiled for the CPU: togishi::f32 as the GPU computes it,
-// togishi::f64 as the reference. The GLSL files are the documentation of each function.
+// The reflection model of shaders/shared, compiled for the CPU: togishi::f32 as the GPU computes
+// it, togishi::f64 as the reference. The GLSL files are the documentation of each function.
 #pragma once
 #include <glm/glm.hpp>
 

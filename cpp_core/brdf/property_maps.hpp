@@ -14,7 +14,7 @@ inline constexpr std::size_t map_channel_count = 9;
 inline constexpr std::array<std::string_view, map_channel_count> map_channel_names{
     "ji.ln_mu_deg", "ji.e1", "ji.e2", "ha.ln_mu_deg", "ha.e1", "ha.e2", "w", "h", "part"};
 
-/// Row-major, row 0 at v = 0 (the bottom, as Blender holds images), texel centres at (i + 0.5)/size.
+/// Row-major, row 0 at v = 0 (the bottom, as Blender holds images), centres at (i + 0.5)/size.
 /// A channel that is constant over the blade holds one value instead of width * height.
 struct PropertyMaps {
     std::size_t width = 0;

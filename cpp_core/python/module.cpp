@@ -4,7 +4,9 @@
 #include "base/error.hpp"
 
 PYBIND11_MODULE(togishi_core, m) {
-    m.doc() = "Togishi's core: spectra, reflection tables, blades, steel patterns and the reference, on numpy arrays.";
+    m.doc() =
+        "Togishi's core: spectra, reflection tables, blades, steel patterns and the reference, on "
+        "numpy arrays.";
     m.attr("__version__") = TOGISHI_VERSION;
     pybind11::register_exception<togishi::InputError>(m, "InputError", PyExc_ValueError);
     togishi::bind_spectral(m);

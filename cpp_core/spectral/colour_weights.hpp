@@ -34,9 +34,9 @@ struct ColourWeights {
 /// W_full/W_grid
 ///   that a sum of sampled values needs (design, section 1) is 1 by construction, with nothing to
 ///   guard;
-/// - 61 samples are within a CIEDE2000 of 0.03 of 1 nm for all built-in metals and lights at 0 to 88
-///   degrees, and within 0.1 for any spectral line (the worst: gold at 497.5 nm); values sampled at 5 nm
-///   with the correction reach 0.20 (gold, 546.1 nm).
+/// - 61 samples are within a CIEDE2000 of 0.03 of 1 nm for built-in metals and lights at 0 to 88
+///   degrees, and within 0.1 for any spectral line (worst: gold at 497.5 nm); values sampled at
+///   5 nm with the correction reach 0.20 (gold, 546.1 nm).
 /// Throws InputError where the observer sees nothing of the light.
 [[nodiscard]] ColourWeights colour_weights(const Light& light, const Observer& observer,
                                            const Grid& grid = grid_61);
