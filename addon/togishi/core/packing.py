@@ -254,25 +254,23 @@ def table_block(rows: Sequence[F32]) -> F32:
 
 # --- maps ---------------------------------------------------------------------------------------
 
-# What the shaders take: mu from 0.001 to 80 degrees, aspect up to 100:1.
-LN_MU_DEG_RANGE = (math.log(0.001), math.log(80.0))
-SHAPE_LIMIT = 0.5 * math.log(100.0)
+# The bits of a half float without its sign: they order as the magnitudes do, and integers compare faster.
+_MAGNITUDE = np.uint16(0x7FFF)
+_SHAPE_BITS = np.float16(1e-3).view(np.uint16)
 
 
 def map_data(lobes: NDArray[np.float16], shape: NDArray[np.float16] | None, levels: I32) -> MapData:
-    """Atlases with every value inside the model's range."""
-    lobes = lobes.copy()
-    lobes[..., 0:2] = np.clip(lobes[..., 0:2], *LN_MU_DEG_RANGE)
-    lobes[..., 2:4] = np.clip(lobes[..., 2:4], 0.0, 1.0)
-    if shape is not None:
-        shape = np.clip(shape, -SHAPE_LIMIT, SHAPE_LIMIT)
+    """Atlases as togishi_core.pack_mip_atlas repaired them, and what of them a shader needs. What is finite but
+    outside the model's range the shared formulas bring into it."""
     x, y, width, height = (int(v) for v in levels[0])
+    level0 = (slice(y, y + height), slice(x, x + width))
     return MapData(
         lobes=lobes,
         shape=shape,
         levels=np.asarray(levels, np.int32),
-        hadori=bool((lobes[y : y + height, x : x + width, 3] > 0.0).any()),
-        anisotropic=shape is not None and bool((np.abs(shape) > 1e-3).any()),
+        hadori=bool((lobes[(*level0, 3)] > 0.0).any()),
+        anisotropic=shape is not None
+        and bool(((shape[level0].view(np.uint16) & _MAGNITUDE) > _SHAPE_BITS).any()),
     )
 
 
