@@ -18,6 +18,7 @@ tests/python/test_reference.py; a test named alone is in this file.
 | NaN and infinity in a map | test_broken_texels_become_their_neighbours; renderer:test_nan_and_infinity_in_a_map   |
 | 1 x 1 map                 | renderer:test_map_of_one_texel_is_the_constant                                        |
 | 16k x 1k map              | test_map_of_16k_by_1k_is_read_at_the_right_texel                                      |
+| wider than the GPU allows | test_map_wider_than_the_gpus_textures_loses_its_finest_levels                         |
 | empty mesh                | renderer:test_empty_mesh (black)                                                      |
 | mesh without UVs          | renderer:test_mesh_without_uv_takes_constants                                         |
 | 0 and 200 lights          | renderer:test_any_number_of_lights                                                    |
@@ -421,6 +422,36 @@ def test_map_of_16k_by_1k_is_read_at_the_right_texel(scenes, renderer, camera):
         assert (np.abs(got - expected) / expected[:, 1:2]).max() < TABLE_ERROR
 
 
+@pytest.mark.parametrize("size", [(20000, 1), (1, 20000), (4096, 2)])
+def test_map_wider_than_the_gpus_textures_loses_its_finest_levels(scenes, renderer, camera, size):
+    """Maps may have 32768 texels to a side: what no texture of this GPU holds is drawn from a coarser level, and said."""
+    width, height = size
+    if size == (4096, 2):
+        renderer._largest_texture = (
+            1024  # a GPU of the least size, with more than one level left out
+        )
+    lobes = np.zeros((height, width, 4), np.float32)
+    longer = 0 if width > height else 1
+    ramp = (np.arange(max(size)) + 0.5) / max(size)
+    lobes[..., 2] = ramp[None, :] if longer == 0 else ramp[:, None]
+    shape = np.full_like(lobes, 0.25)
+    uv = (CORNERS + 1.0) / 2.0
+    scene = scenes.scene_of(
+        plate((0, 0, 1), (1, 0, 0), uv),
+        scenes.blade(scenes.maps_of(lobes, shape)),
+        (sun((0, 0, 1)),),
+    )
+    got, expected, inputs = against_reference(renderer, scene, camera)
+    at = (np.arange(SIZE[0]) + 0.5) / SIZE[0]
+    rows = np.broadcast_to(at, SIZE) if longer == 0 else np.broadcast_to(at[:, None], SIZE)
+    np.testing.assert_allclose(inputs.w, rows, rtol=0, atol=2e-3)
+    np.testing.assert_allclose(inputs.lobe_ha[..., 1:], 0.25, rtol=0, atol=0.02)
+    assert (np.abs(got - expected) / expected[:, 1:2]).max() < TABLE_ERROR
+    (sentence,) = renderer.problems
+    assert f"{width} x {height}" in sentence
+    assert str(renderer._largest_texture) in sentence
+
+
 # --- all at once --------------------------------------------------------------------------------
 
 
@@ -443,7 +474,7 @@ def test_random_extremes_stay_finite_and_agree_with_the_reference(scenes, render
             strict=True,
         )
     ]
-    far = rng.normal(size=3) + (0.0, -3.0, 0.0)
+    far = np.add(rng.normal(size=3), (0.0, -3.0, 0.0))
     clear = (scenes.point_light(tuple(unit * 4.0 * far / np.linalg.norm(far)), 100.0 * unit**2),)
     eye = tuple(unit * np.asarray((0.2, -4.0, rng.uniform(-2.0, 2.0))))
     view = scenes.look_at(eye, fov_deg=35.0, near=0.1 * unit, far=100.0 * unit)

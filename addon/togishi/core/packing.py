@@ -274,6 +274,28 @@ def map_data(lobes: NDArray[np.float16], shape: NDArray[np.float16] | None, leve
     )
 
 
+def coarser_maps(maps: MapData, largest: int) -> MapData:
+    """The same maps without their finest levels, so that no side of an atlas is above `largest` texels. The atlas is
+    cut to what the other levels and their border of one texel cover."""
+    for first in range(len(maps.levels)):
+        left, bottom = (maps.levels[first:, :2].min(axis=0) - 1).clip(0)
+        right, top = (maps.levels[first:, :2] + maps.levels[first:, 2:]).max(axis=0) + 1
+        if first == 0:
+            left, bottom = 0, 0
+            top, right = maps.lobes.shape[:2]
+        if max(right - left, top - bottom) > largest:
+            continue
+        part = (slice(bottom, top), slice(left, right))
+        return MapData(
+            lobes=np.ascontiguousarray(maps.lobes[part]),
+            shape=None if maps.shape is None else np.ascontiguousarray(maps.shape[part]),
+            levels=maps.levels[first:] - np.asarray((left, bottom, 0, 0), np.int32),
+            hadori=maps.hadori,
+            anisotropic=maps.anisotropic,
+        )
+    raise ValueError(f"largest texture is {largest} texels; allowed: 3 or more")
+
+
 # --- meshes -------------------------------------------------------------------------------------
 
 

@@ -85,7 +85,7 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         except (ShaderError, native.CoreMissingError, ValueError) as error:
             self.error_set(str(error))
             return
-        self._tell(list(renderer.tables.problems.values()))
+        self._tell(renderer.problems)
         if picture is None:
             return
         # Counted from the border's corner, whether the picture is cropped to it or not.
@@ -131,7 +131,7 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         except (ShaderError, native.CoreMissingError, ValueError) as error:
             self.update_stats("Togishi", str(error))
             return
-        notes = [*view.sync.messages, *view.renderer.tables.problems.values()]
+        notes = [*view.sync.messages, *view.renderer.problems]
         self.update_stats("Togishi", "  |  ".join(notes))
 
     def _draw(

@@ -7,7 +7,7 @@ changed since the picture before and nothing else; `counters` says what that was
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 import gpu
 import numpy as np
@@ -107,6 +107,7 @@ class _GpuMesh:
 
 @dataclass
 class _GpuMaps:
+    data: MapData  # what is in the textures: without the levels that the GPU has no texture for
     lobes: GPUTexture
     shape: GPUTexture | None
 
@@ -192,6 +193,7 @@ class Renderer:
         self._maps: dict[int, tuple[MapData, _GpuMaps]] = {}
         self._blocks: dict[tuple[object, ...], Block] = {}
         self._targets: dict[tuple[object, ...], _Targets] = {}
+        self._largest_texture = int(gpu.capabilities.max_texture_size_get())
         self._rect: GPUBatch | None = None
         self._steels: list[_Steel] = []
         self._plains: list[_PlainItem] = []
@@ -246,6 +248,17 @@ class Renderer:
                     self._draw_plains(scene, space, index)
         self.counters.pictures += 1
         return Picture(size, targets.colour, targets.picture)
+
+    @property
+    def problems(self) -> list[str]:
+        """What a user should know of the last picture: what could not be drawn as the scene has it."""
+        coarser = [
+            f"Map of {known.levels[0][2]} x {known.levels[0][3]} texels: this GPU's textures have at most "
+            f"{self._largest_texture} to a side, so {drawn.data.levels[0][2]} x {drawn.data.levels[0][3]} are drawn."
+            for known, drawn in self._maps.values()
+            if len(drawn.data.levels) < len(known.levels)
+        ]
+        return [*self.tables.problems.values(), *coarser]
 
     def prepare_lights(self, scene: SceneData) -> None:
         """Everything that a changed light costs before the next picture: its table row and its block."""
@@ -477,7 +490,10 @@ class Renderer:
     def _steel_block(self, steel: _Steel) -> Block:
         block = self._block("steel", steel.key)
         if block.tag is not steel.material:
-            self._set(block, packing.steel_block(steel.material))
+            material = steel.material
+            if material.maps is not None:
+                material = replace(material, maps=self._maps[id(material.maps)][1].data)
+            self._set(block, packing.steel_block(material))
             block.tag = steel.material
         return block
 
@@ -600,7 +616,12 @@ class Renderer:
             self.counters.map_uploads += 1
             return GPUTexture((width, height), format="RGBA16F", data=float_buffer(values))
 
-        return _GpuMaps(texture(maps.lobes), None if maps.shape is None else texture(maps.shape))
+        height, width = maps.lobes.shape[:2]
+        if max(width, height) > self._largest_texture:
+            maps = packing.coarser_maps(maps, self._largest_texture)
+        return _GpuMaps(
+            maps, texture(maps.lobes), None if maps.shape is None else texture(maps.shape)
+        )
 
     def _shader(self, source: ProgramSource) -> GPUShader:
         shader = self._programs.get(source)
