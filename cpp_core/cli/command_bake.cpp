@@ -97,10 +97,12 @@ Json bake_maps(const Options& options) {
     info.chart_mm = {static_cast<float>(frame.length_mm()),
                      static_cast<float>(frame.chart_height_mm)};
     info.source = "generated: " + blade.title + ", " + material.name;
-    for (const auto& [key, name] : options.blade.choices) info.source += ", " + key + "=" + name;
-    for (const auto& [key, value] : options.blade.dimensions)
-        info.source += ", " + key + "=" + Json(value).dump();
-    for (const auto& assignment : options.pattern) info.source += ", " + assignment;
+    const auto note = [&](std::string_view key, std::string_view value) {
+        info.source.append(", ").append(key).append("=").append(value);
+    };
+    for (const auto& [key, name] : options.blade.choices) note(key, name);
+    for (const auto& [key, value] : options.blade.dimensions) note(key, Json(value).dump());
+    for (const auto& assignment : options.pattern) info.source.append(", ").append(assignment);
     info.software = "togishi " TOGISHI_VERSION;
     write_map_file(options.output, maps, info,
                    options.single ? MapPrecision::single : MapPrecision::half);
