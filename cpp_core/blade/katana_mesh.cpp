@@ -66,6 +66,7 @@ Columns make_columns(const KatanaShape& shape, double scale) {
 
     // Where the mune's nodes lie on the end line; the foot's meet them there.
     std::vector<double> mune_y;
+    mune_y.reserve(static_cast<std::size_t>(mune) + 1);
     const double top_share = c.cells[0] > 0 ? 0.4 : 0;
     for (int i = 0; i < c.cells[0]; ++i) mune_y.push_back(top_share * i / c.cells[0]);
     for (int i = 0; i <= c.cells[1]; ++i)
