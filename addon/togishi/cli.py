@@ -162,7 +162,8 @@ def _terminable() -> Iterator[None]:
 
 
 def _render_frame(scene: bpy.types.Scene, frame: int, path: Path) -> None:
-    """Raises RuntimeError or OSError; `path` is then as it was."""
+    """Raises RuntimeError where the engine fails and UsageError where the picture cannot be saved; `path` is then
+    as it was."""
     scene.frame_set(frame)
     result = bpy.ops.render.render(scene=scene.name, write_still=False)
     if "FINISHED" not in result:
@@ -170,11 +171,17 @@ def _render_frame(scene: bpy.types.Scene, frame: int, path: Path) -> None:
     image = next((i for i in bpy.data.images if i.type == "RENDER_RESULT"), None)
     if image is None:
         raise RuntimeError("the engine left no picture")
-    with atomic.replacing(path) as temporary:
-        # Truncated files raise; a full disk may leave an empty one without an exception.
-        image.save_render(str(temporary), scene=scene)
-        if temporary.stat().st_size == 0:
-            raise OSError(f"{path}: nothing was written; is the disk full?")
+    try:
+        with atomic.replacing(path) as temporary:
+            # Truncated files raise; a full disk may leave an empty one without an exception.
+            image.save_render(str(temporary), scene=scene)
+            if temporary.stat().st_size == 0:
+                raise OSError("nothing was written")
+    except (RuntimeError, OSError) as error:
+        reason = str(error).strip().removeprefix("Error: ")
+        raise UsageError(
+            f"--output: {path} could not be saved ({reason}); allowed: a folder that you may write to, on a disk with free space"
+        ) from error
 
 
 def render(options: RenderOptions) -> int:
@@ -205,7 +212,7 @@ def render(options: RenderOptions) -> int:
         started = time.monotonic()
         try:
             _render_frame(scene, frame, paths[frame])
-        except (RuntimeError, OSError) as error:
+        except RuntimeError as error:
             failed += 1
             say(f"frame {frame}: {str(error).strip()}")
             continue

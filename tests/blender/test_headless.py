@@ -197,7 +197,7 @@ def test_a_failed_write_leaves_the_old_picture(blend, tmp_path, monkeypatch, cap
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(type(out), "replace", full_disk)
-    assert cli.main(["render", str(blend), "-o", str(out)]) == 1
+    assert cli.main(["render", str(blend), "-o", str(out)]) == 2
     assert out.read_bytes() == b"previous"
     assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".keep")] == []
     assert "No space left" in capsys.readouterr().err

@@ -14,7 +14,7 @@ What each line of the requirement "Bad input" is held by; tests named alone are 
 | material with an unknown field      | test_unknown_fields_of_a_material_file; in memory: test_material:test_wrong_fields_are_named |
 | a missing map beside a .blend       | blender/test_headless:test_missing_map_is_refused_before_anything_is_rendered; in a window: blender/test_engine_blender:test_a_missing_map_names_its_file_and_the_blade_is_drawn |
 | a read-only output folder           | maps: test_cli_bake:test_read_only_folder; tables and meshes: test_read_only_folder_of_tables_and_meshes; pictures: blender/test_headless:test_unwritable_output |
-| a full disk                         | test_cli_bake:test_full_disk, test_full_disk_of_a_table, test_full_disk_of_a_mesh; pictures: blender/test_headless:test_a_failed_write_leaves_the_old_picture (1, as documented: a frame failed, others may be there) |
+| a full disk                         | test_cli_bake:test_full_disk, test_full_disk_of_a_table, test_full_disk_of_a_mesh; pictures: blender/test_headless:test_a_failed_write_leaves_the_old_picture |
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ def parser() -> argparse.ArgumentParser:
         help="render frames of a .blend",
         description=(
             "Render frames of a .blend. Prints \"Saved: 'PATH'\" for each file; progress goes to stderr. "
-            "Exit code 0: every frame is there; 1: a frame failed; 2: bad options or input files."
+            "Exit code 0: every frame is there; 1: a frame failed; 2: bad options, input files or output folder."
         ),
     )
     render.add_argument("blend", metavar="FILE.blend", type=Path)
