@@ -266,22 +266,68 @@ def unseen(frames: int, say: Callable[[str], None]) -> list[Row]:
         if row.bound is None
     ]
     say("      blade without anisotropy measured")
-    times = bench_gpu.in_turns(
-        {"isotropic": drawer(plain), "anisotropic": drawer(scene(grid, steel(4.0), lamps))}, frames
-    )
-    saving, spread = median_and_spread(
-        100 * (1 - np.array(times["isotropic"]) / np.array(times["anisotropic"]))
-    )
-    rows.append(
-        Row(
-            "scale.no_anisotropy.saving_percent",
-            saving,
-            "%",
-            spread=spread,
-            how="what the variant without anisotropy saves of the anisotropic frame",
-        )
-    )
     return rows
+
+
+def savings(frames: int, say: Callable[[str], None]) -> list[Row]:
+    """What leaving code out saves: the frame of a scene that lacks something, against one that has it and is otherwise the
+    same; and how many programs all of this can make."""
+    from togishi.core.scene_data import LightKind, World
+
+    grid, lamps, iso = sheet(80_000), lights(4), steel(1.0)
+    data = maps(4096, 512)
+    mapped = replace(data, shape=None, anisotropic=False)
+    plain = scene(grid, iso, lamps)
+    spots = tuple(replace(lamp, kind=LightKind.SPOT, cone_rad=3.0) for lamp in lamps)
+    pairs = {
+        "anisotropy": (plain, scene(grid, steel(4.0), lamps)),
+        "maps": (plain, scene(grid, steel(1.0, mapped), lamps)),
+        "hadori": (
+            scene(grid, steel(1.0, mapped), lamps),
+            scene(grid, steel(1.0, replace(mapped, hadori=True)), lamps),
+        ),
+        "spots": (plain, scene(grid, iso, spots)),
+        "room": (plain, scene(grid, iso, lamps, world=World((0.1, 0.1, 0.1)))),
+    }
+    rows = []
+    for name, (without, with_it) in pairs.items():
+        times = bench_gpu.in_turns(
+            {"without": drawer(without), "with": drawer(with_it)}, max(frames // 2, 3)
+        )
+        saving, spread = median_and_spread(
+            100 * (1 - np.array(times["without"]) / np.array(times["with"]))
+        )
+        rows.append(
+            Row(
+                f"scale.variant.{name}_saving_percent",
+                saving,
+                "%",
+                spread=spread,
+                how=f"frame without {name} against the same with it, {SIZE[0]}x{SIZE[1]}, 4 lamps",
+            )
+        )
+        say(f"      without {name}: {saving:.0f} % less")
+    return [*rows, program_count()]
+
+
+def program_count() -> Row:
+    """All different GPU programs of polished steel that a scene can ask for."""
+    from itertools import product
+
+    from togishi.core.shader_source import LightVariant, SteelVariant, steel_light_program
+
+    choices = (False, True)
+    programs = {
+        steel_light_program(LightVariant(*light), SteelVariant(*blade))
+        for light in product(choices, repeat=4)
+        for blade in product(choices, repeat=5)
+    }
+    return Row(
+        "scale.variant.programs",
+        len(programs),
+        "",
+        how="different programs that light polished steel; each is compiled when a scene first needs it",
+    )
 
 
 def memory(quick: bool) -> list[Row]:
@@ -352,6 +398,7 @@ def measure(quick: bool, say: Callable[[str], None]) -> Measurement:
         measurement.curves[name] = found
         measurement.rows += rows
     measurement.rows += unseen(6 if quick else 30, say)
+    measurement.rows += savings(6 if quick else 20, say)
     measurement.rows += memory(quick)
     return measurement
 
