@@ -94,7 +94,7 @@ class Demo:
 
     def whole(self) -> Section:
         studio.aim_camera(self.scene, self.blade, MIDDLE_MM, 1010.0)
-        studio.light(self.scene, self.blade, 9.0, lamps=(31, 1), room=0.25)
+        studio.light(self.scene, self.blade, 9.0, lamps=(31, 1), room=0.08)
         caption = f"31 lamps in a row, 9° off the mirror direction; {SAMPLES} samples a pixel in"
         return Section(
             "The whole blade",
