@@ -46,7 +46,9 @@ def light_power(light: str, wavelengths_nm: F64) -> F64:
 def light_notes(light: str) -> list[str]:
     """What a reader should know of this spectrum: range shortfalls, resampling. Empty for built-in lights."""
 
-def light_rgb(light: str, observer: str = "cie1931_2", space: str = "rec709", adaptation: str = "none") -> F64:
+def light_rgb(
+    light: str, observer: str = "cie1931_2", space: str = "rec709", adaptation: str = "none"
+) -> F64:
     """(3,) linear RGB of the light itself, scaled to luminance Y = 1.
     space: one of colour_spaces(); adaptation: "none" or "cat16" / "bradford" (to the space's white)."""
 
@@ -83,7 +85,6 @@ def load_material(path: str) -> dict[str, Any]:
 
 def default_material() -> dict[str, Any]: ...
 def material_to_toml(material: Mapping[str, Any]) -> str: ...
-
 def encode_lobe(mu_t_deg: F64, mu_b_deg: F64, rho_deg: F64) -> F32:
     """(..., 3) of ln_mu_deg, e1, e2 from half widths and azimuth."""
 
@@ -109,7 +110,9 @@ class Katana:
 
     positions_mm: F64  # (V, 3)
     corner_vertex: NDArray[np.int32]  # (C,)
-    face_start: NDArray[np.int32]  # (F + 1,) first corner of each face; faces are triangles or quads
+    face_start: NDArray[
+        np.int32
+    ]  # (F + 1,) first corner of each face; faces are triangles or quads
     face_part: NDArray[np.uint8]  # (F,)
     corner_normal: F32  # (C, 3)
     corner_tangent: F32  # (C, 3) along the blade, machi to tip, on both sides
@@ -117,7 +120,9 @@ class Katana:
     s_mm: F32  # (V,)
     t_mm: F32  # (V,) developed distance from the mune ridge
     chart_mm: tuple[float, float]  # size that u and v in [0, 1] span
-    measures: dict[str, float]  # what was asked for, measured again on the mesh: nagasa_mm, sori_mm, ...
+    measures: dict[
+        str, float
+    ]  # what was asked for, measured again on the mesh: nagasa_mm, sori_mm, ...
 
 def katana_defaults(zukuri: str = "shinogi") -> dict[str, Any]: ...
 def katana_presets() -> dict[str, dict[str, Any]]:

@@ -22,11 +22,17 @@ DETAIL = 0.02
 
 @pytest.fixture
 def addon() -> Iterator[None]:
-    """The add-on in an empty file."""
+    """The add-on in an empty file. The engine's tests keep it enabled for a whole run: it is enabled anew here, and
+    left for them as it was."""
+    kept = bool(togishi._registered)
+    if kept:
+        togishi.unregister()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     togishi.register()
     yield
     togishi.unregister()
+    if kept:
+        togishi.register()
 
 
 def add_katana(**settings: object) -> bpy.types.Object:
