@@ -23,6 +23,7 @@ import pictures  # noqa: E402
 import studio  # noqa: E402
 import togishi_core  # noqa: E402
 from page import Picture, Section, write_page  # noqa: E402
+from togishi import blender_versions  # noqa: E402
 from togishi.core import bake_cost  # noqa: E402
 
 WHOLE, CLOSE, COMPARED = (1600, 360), (1200, 520), (960, 416)
@@ -238,7 +239,7 @@ class Demo:
         for name, engine, samples in (
             ("Togishi", "TOGISHI", SAMPLES),
             ("Cycles", "CYCLES", ELSEWHERE_SAMPLES["CYCLES"]),
-            ("EEVEE", studio.eevee(), ELSEWHERE_SAMPLES["EEVEE"]),
+            ("EEVEE", blender_versions.eevee_engine(), ELSEWHERE_SAMPLES["EEVEE"]),
         ):
             shot = studio.shoot(self.scene, self.out, ELSEWHERE_SIZE, engine, samples)
             if name == "Togishi":

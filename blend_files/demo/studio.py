@@ -225,17 +225,6 @@ def compare(scene: bpy.types.Scene, size: tuple[int, int]) -> Comparison:
     return Comparison(rgb, reference_rgb, steel, delta_e, gpu_seconds, reference_seconds)
 
 
-def eevee() -> str:
-    """EEVEE's name in this Blender; a wheel lists its engines only when they are asked for."""
-    for name in ("BLENDER_EEVEE_NEXT", "BLENDER_EEVEE"):
-        try:
-            bpy.context.scene.render.engine = name
-        except TypeError:
-            continue
-        return name
-    raise RuntimeError("this Blender has no EEVEE")
-
-
 def close() -> None:
     """bpy 4.5 hangs at its end while classes with menus made at run time are registered."""
     import togishi

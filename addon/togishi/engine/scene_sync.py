@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .. import properties
+from .. import blender_versions, properties
 from ..core import native
 from ..core.materials import blade_material
 from ..core.scene_data import (
@@ -23,17 +23,8 @@ from .light_read import read_light, read_world
 from .material_read import read_plain
 from .mesh_read import read_mesh
 
-# Blender's names of working spaces and the core's.
-_SPACES = {"Linear Rec.709": "rec709", "Linear Rec.2020": "rec2020", "ACEScg": "acescg"}
 _SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _NO_MATERIAL = "no material"
-
-
-def working_space() -> str:
-    """The scene-linear space that this Blender file works in (5.0 lets it be chosen)."""
-    colorspace = getattr(bpy.data, "colorspace", None)
-    name = getattr(colorspace, "working_space", "Linear Rec.709")
-    return _SPACES.get(name, "rec709")
 
 
 def matrix_array(matrix: object) -> np.ndarray:
@@ -190,7 +181,7 @@ class SceneSync:
         settings = getattr(depsgraph.scene_eval, "togishi", None)
         return ColourSettings(
             observer=getattr(settings, "observer", "cie1931_2"),
-            space=working_space(),
+            space=blender_versions.working_space(),
             adaptation=getattr(settings, "adaptation", "none"),
         )
 
