@@ -7,6 +7,7 @@ enabled, and can say what is wrong.
 
 from __future__ import annotations
 
+import atexit
 import importlib
 from types import ModuleType
 
@@ -25,6 +26,9 @@ _registered: list[ModuleType] = []
 
 
 def register() -> None:
+    # The bpy module hangs at exit (4.5) while classes with dynamic menus are registered.
+    atexit.unregister(unregister)
+    atexit.register(unregister)
     for name in _MODULE_NAMES:
         module = importlib.import_module(f"{__name__}.{name}")
         module.register()

@@ -13,11 +13,7 @@ def run() -> int:
     from togishi import cli
 
     togishi.register()
-    try:
-        return cli.main(sys.argv[1:])
-    finally:
-        # The bpy module hangs at exit in 4.5 while classes with dynamic menus are registered.
-        togishi.unregister()
+    return cli.main(sys.argv[1:])
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@ empty file."""
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -45,3 +46,15 @@ def gpu_context(addon):
     import gpu
 
     return gpu
+
+
+def pytest_unconfigure(config):
+    """Leave at once. The bpy module ends itself when its last reference goes; hypothesis keeps one in the frames
+    that it remembers, and then Blender 4.5 waits at exit for its own sound thread (`delayed_close_thread_run`),
+    for ever. How the add-on behaves at exit is tested in processes of its own (test_headless.py)."""
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None or "bpy" not in sys.modules:
+        return
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(int(reporter._session.exitstatus))
