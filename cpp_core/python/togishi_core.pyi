@@ -186,6 +186,89 @@ def reference_xyz(
     lobe_*: (P, 3) or (3,) encoded lobes; w, h: (P,). Negative weights: normalised. world: spectrum and
     radiance of a uniform room. grid: "61" (with the white correction) or "1nm" (360-830)."""
 
+# --- goniometer scans and their fit: docs/measurement.md ------------------------------------------
+
+class ScanSet:
+    """Scans of one part, to be fitted together. Read-only."""
+
+    part: str  # "ji" or "hamon"
+    calibration: str  # "absolute", "relative" or "per_scan"
+    unit: str
+    metal: str  # "auto": to be chosen by the fit
+    light: str
+    name: str
+    channels: list[str]  # titles of the intensity columns: (C,)
+    inputs: list[dict[str, str]]  # [{"file", "sha256"}]
+    notes: list[str]
+    scans: list[dict[str, Any]]
+    """[{"file", "incidence_deg", "turn_deg", "quantity", "source_aperture_deg", "detector_aperture_deg", "saturation",
+    "receive_deg" (N,), "azimuth_deg" (N,), "line" (N,), "intensity" (N, C), "sigma" (N, C) or None}]; NaN: a gap."""
+    readings: int  # that are not gaps
+
+    def to_text(self) -> str:
+        """A scan file that parse_scans reads back."""
+
+class Fit:
+    """What fit_scans found. Read-only."""
+
+    scan_set: ScanSet
+    record: dict[str, Any]
+    """As in the material's [fit.<part>] (cpp_core/brdf/fit_record.hpp): "part", "model", "metal", "calibration",
+    "chi2_reduced", "bic", "readings", "outliers", "clipped", "noise_relative", "noise_floor", "metals"
+    [[name, delta_bic]], "parameter" [{"name", "value", "sigma", "unit", "determined", "reason", "text"}],
+    "correlations" (P, P) lists, "scan" [...], "input" [...], "notes" [...]."""
+    lobe: dict[str, float]  # mu_t_deg, mu_b_deg, rho_deg, weight
+    scans: list[dict[str, Any]]
+    """In the order of scan_set.scans: [{"modelled" (N, C), "residual_sigma" (N, C), "state" (N, C) uint8: 0 used,
+    1 outlier, 2 clipped, 3 gap; "gain", "gain_sigma", "residual_rms_sigma", "mu_eff_deg", "mu_eff_sigma_deg"}]."""
+    seconds: float
+    evaluations: int
+
+    def curve(self, scan: int, receive_deg: F64) -> F64:
+        """(N, C): the fitted model at other receive angles of one scan, in its plane of incidence."""
+
+    def mu_eff_deg(self, turn_deg: F64) -> F64:
+        """(N,) half width of the fitted lobe along the plane of incidence at each turn of the sample."""
+
+def parse_scans(text: str, name: str = "text", settings: Mapping[str, str] = {}) -> ScanSet:
+    """The text of one scan file. settings: header keys that stand in for what the file does not say.
+    InputError names line and column."""
+
+def read_scans(paths: list[str], settings: Mapping[str, str] = {}) -> list[ScanSet]:
+    """Files from disk, joined by part, ji first: each set goes into one fit."""
+
+def simulation_defaults() -> dict[str, Any]:
+    """Options of simulate_scan with their defaults (cpp_core/scan/simulate_scan.hpp): protocol ("a" or "b"),
+    incidences_deg, turns_deg, receive_first_deg, receive_last_deg, step_deg, dense_within_deg, coarse_step_deg
+    (None: as the protocol has it), quantity, calibration, channels, light, noise_relative, noise_floor, gain_error,
+    source_aperture_deg, detector_aperture_deg, pedestal, tilt_t_deg, tilt_b_deg, receive_offset_deg,
+    out_of_plane_deg, saturation, haze_share, haze_width, outlier_share, state_sigma, seed."""
+
+def simulate_scan(
+    material: Mapping[str, Any], part: str, options: Mapping[str, Any] = {}
+) -> ScanSet:
+    """What a goniometer would measure of the part ("ji" or "hamon") of a material, by the reference evaluation."""
+
+def fit_defaults() -> dict[str, Any]:
+    """Options of fit_scans with their defaults (cpp_core/fit/fit.hpp): metal, anisotropy and haze ("off", "on" or
+    "auto"), aperture, tilt, gain, pedestal, gain_prior, tilt_prior_deg, receive_offset_prior_deg,
+    out_of_plane_prior_deg, outlier_sigma, starts, max_iterations."""
+
+def fit_scans(
+    scans: ScanSet,
+    options: Mapping[str, Any] = {},
+    *,
+    progress: Callable[[float], Any] | None = None,
+) -> Fit:
+    """Fits the model to all scans of a set jointly. progress: called with the share done, in [0, 1]; what it raises
+    passes through, and returning False cancels with InterruptedError."""
+
+def material_from_fits(
+    fits: list[Fit], base: Mapping[str, Any] | None = None, name: str = ""
+) -> dict[str, Any]:
+    """The base material (default: the default material) with the fitted parts and their records (key "fit").
+    An absolute weight makes the material's weights measured; a relative one stays in the record."""
+
 # --- the shared formulas, for tests -------------------------------------------------------------
 
 def formula_names() -> list[str]:
