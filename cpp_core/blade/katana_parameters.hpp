@@ -24,7 +24,7 @@ struct KatanaParameters {
     double sakihaba_mm = 20;     ///< width at the yokote (where the fukura starts if there is none)
     double motokasane_mm = 6.8;  ///< thickness at the mune's corners, at the machi
     double sakikasane_mm = 4.3;  ///< the same at the yokote
-    double kissaki_mm = 33;      ///< from the yokote to the tip along the mune
+    double kissaki_mm = 33;      ///< straight line from the yokote on the mune to the tip
     double fukura = 1;           ///< roundness of the point's edge: 0 karetaru, 1 full
     double mune_height_mm = 1.5;         ///< height of the mune over its corners at the machi
     double moto_shinogi_haba_mm = 10.5;  ///< mune ridge to shinogi at the machi

@@ -21,7 +21,14 @@ DIMENSIONS = (
     ("sakihaba_mm", "Sakihaba", "Width at the yokote", 20.0, 5.0, 80.0),
     ("motokasane_mm", "Motokasane", "Thickness at the machi", 6.8, 2.0, 20.0),
     ("sakikasane_mm", "Sakikasane", "Thickness at the yokote", 4.3, 1.0, 20.0),
-    ("kissaki_mm", "Kissaki", "From the yokote to the tip along the mune", 33.0, 5.0, 400.0),
+    (
+        "kissaki_mm",
+        "Kissaki",
+        "Straight line from the yokote on the mune to the tip",
+        33.0,
+        5.0,
+        400.0,
+    ),
     (
         "nakago_mm",
         "Nakago",

@@ -39,7 +39,7 @@ class TOGISHI_PT_light(bpy.types.Panel):
         if context.light.togishi.kind == spectrum_spec.AUTOMATIC:
             layout.label(text=f"Now {properties.light_spectrum(context.light)}", icon="INFO")
         if context.light.type == "AREA":
-            layout.label(text="Togishi does not show area lights yet", icon="ERROR")
+            layout.label(text="Togishi draws it as a point light", icon="ERROR")
 
 
 class TOGISHI_PT_world(bpy.types.Panel):
