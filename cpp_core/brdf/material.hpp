@@ -24,6 +24,8 @@
 #include <string_view>
 #include <vector>
 
+#include "brdf/fit_record.hpp"
+
 namespace togishi {
 
 inline constexpr int material_format = 1;
@@ -50,6 +52,7 @@ struct Material {
     MaterialLobe ji, shinogi_ji, mune, kissaki, ha, hadori, nakago;
     std::array<double, 3> nakago_albedo_rgb{};
     double nakago_ior = 1.5;
+    std::vector<FitRecord> fits;  ///< at most one for each of ji and ha
     friend bool operator==(const Material&, const Material&) = default;
 };
 

@@ -48,8 +48,11 @@ void check(const ReferenceScene& scene) {
 }
 
 // A vector of any length as one of unit length; zero, NaN and infinity become zero, which reflects
-// nothing.
+// nothing. What is a unit vector to a float's rounding stays as it is: near grazing light L + V is
+// short, and normalising would turn it away from what a float renderer, fed the same vectors,
+// computes.
 glm::dvec3 unit(const glm::dvec3& v) {
+    if (std::abs(glm::dot(v, v) - 1.0) < 1e-6) return v;
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!(largest > 0.0 && largest < INFINITY && v.x == v.x && v.y == v.y && v.z == v.z))
         return glm::dvec3(0.0);
@@ -66,6 +69,8 @@ f64::Lobe lobe_of(const StoredLobe& stored) {
 glm::dvec3 spectral_sum(const RefractiveIndex& index, const ColourWeights& weights, double cosine) {
     glm::dvec3 sum(0.0);
     for (std::size_t i = 0; i < weights.x.size(); ++i) {
+        // A spectral line has two samples; the others would add nothing.
+        if (weights.x[i] == 0 && weights.y[i] == 0 && weights.z[i] == 0) continue;
         const double f = f64::fresnel_conductor(index.n[i], index.k[i], cosine);
         sum.x += f * weights.x[i];
         sum.y += f * weights.y[i];

@@ -47,7 +47,4 @@ using ScanSettings = std::map<std::string, std::string, std::less<>>;
 /// Text that parse_scans reads back as the same scans.
 [[nodiscard]] std::string scans_to_text(const ScanSet& scans);
 
-/// SHA-256 of bytes, in hexadecimal.
-[[nodiscard]] std::string sha256_hex(std::string_view bytes);
-
 }  // namespace togishi
