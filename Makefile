@@ -9,7 +9,8 @@ TOGISHI := build/release/cpp_core/cli/togishi
 CORE_SOURCES := $(shell find cpp_core shaders data cmake -type f 2>/dev/null) CMakeLists.txt pyproject.toml
 SAY := . tools/say.sh; say
 
-.PHONY: help setup setup-5.2 build core core-5.2 demo test test-cpp test-python test-blender-5.2 results lint sanitize format clean
+.PHONY: help setup setup-5.2 build core core-5.2 demo test test-cpp test-python test-blender-5.2 test-package test-window package \
+        results lint sanitize format clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9.-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 20
@@ -48,7 +49,8 @@ demo: build core ## the main job on real input: pictures and a page in out/demo
 	@$(PY) blend_files/demo/make_demo.py --out out/demo
 	@$(SAY) "done: open out/demo/index.html"
 
-test: test-cpp test-python test-blender-5.2 ## all tests
+# Not among them: `make package` (downloads zig) and `make test-window` (unpacks a second Debian).
+test: test-cpp test-python test-blender-5.2 test-package ## all tests but test-window
 	@$(SAY) "all tests passed. Figures: make results; pictures: make demo"
 
 test-cpp: build
@@ -67,6 +69,25 @@ test-blender-5.2:
 	else \
 	    $(SAY) "SKIPPED: Blender 5.2 LTS needs Python 3.13, and none was found. Blender 4.5 LTS was tested."; \
 	fi
+
+# The package is tested around the modules that `make core` installed, so that neither this nor CI needs zig.
+test-package: core test-blender-5.2 ## the extension installed into clean Blenders (4.5 LTS, and 5.2 LTS where core-5.2 is)
+	@tools/setup_openimageio.sh
+	@$(SAY) "the extension installed into clean Blenders"
+	@$(PY) -m pytest -q tests/package
+
+ZIP ?=
+test-window: core-5.2 ## the extension in a real window of trixie's Blender; pictures in out/window (ZIP=dist/F.zip: this package)
+	@zip="$(ZIP)"; [ -n "$$zip" ] || zip=$$($(PY) tools/package/make_package.py --installed --out build/extension) && tools/test_window.sh "$$zip"
+
+PYTHONS ?= 3.11 3.13
+COMPILER ?= zig
+package: setup ## the extension to give away, into dist (PYTHONS="3.11 3.13"; COMPILER=g++ instead of zig: not for older systems)
+	@tools/setup_python.sh .venv-package 3.11 package
+	@. tools/say.sh; pythons=(); for version in $(PYTHONS); do \
+	    python=$$(tools/find_python.sh $$version) || fail "Python $$version was not found on PATH or in ~/.pyenv. Install it, or leave it out of PYTHONS."; \
+	    pythons+=(--python $$version=$$python); \
+	done; .venv-package/bin/python tools/package/make_package.py --compiler $(COMPILER) "$${pythons[@]}"
 
 AREA ?=
 results: build core ## measure everything; lists the rows that miss their bound (AREA=viewport: one area)

@@ -7,19 +7,7 @@ cd "$(dirname "$0")/.."
 
 folder=$1 version=$2
 shift 2
-find_python() {
-    local candidate
-    for candidate in "${TOGISHI_PYTHON_DIR:-}/bin/python$version" "$(command -v "python$version" || true)" \
-        /usr/bin/"python$version" "$HOME"/.pyenv/versions/"$version".*/bin/python; do
-        # A pyenv shim exists for versions that are not switched on: ask it.
-        if [ -x "$candidate" ] && "$candidate" -c "import sys; sys.exit(sys.version_info[:2] != tuple(map(int, '$version'.split('.'))))" 2>/dev/null; then
-            echo "$candidate"
-            return
-        fi
-    done
-    return 1
-}
-python=$(find_python) || fail "Python $version was not found on PATH or in ~/.pyenv. Install it (bpy for it needs exactly this version), then run again."
+python=$(tools/find_python.sh "$version") || fail "Python $version was not found on PATH or in ~/.pyenv. Install it (bpy for it needs exactly this version), then run again."
 
 requirements=$("$python" - "$@" <<'P'
 import sys, tomllib
