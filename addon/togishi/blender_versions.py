@@ -20,6 +20,11 @@ def light_exposure_stops(light: bpy.types.Light) -> float:
     return float(getattr(light, "exposure", 0.0))
 
 
+def light_is_normalised(light: bpy.types.Light) -> bool:
+    """Whether a light's power is that of the whole lamp, not of each unit of its area; before 4.5 it always is."""
+    return bool(getattr(light, "normalize", True))
+
+
 def eevee_engine() -> str:
     """EEVEE's identifier: BLENDER_EEVEE_NEXT in 4.2 to 4.5, BLENDER_EEVEE from 5.0."""
     return "BLENDER_EEVEE" if VERSION >= (5, 0, 0) else "BLENDER_EEVEE_NEXT"

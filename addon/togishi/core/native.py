@@ -1,7 +1,7 @@
 """The native module, loaded when it is first needed.
 
-Users of native add-ons know three failures: the module is not there for this Python, a library it
-needs does not load, or an older copy is still installed. Each must leave the extension enabled and
+Users of native add-ons know four failures: the module is not there for this Python, a library it
+needs does not load, an older copy is still installed, or one is still in memory. Each must leave the extension enabled and
 able to say in one sentence what is wrong and what to do.
 """
 
@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import importlib
 import sys
+import tomllib
 from functools import cache
+from pathlib import Path
 from types import ModuleType
 
 # What the add-on uses of the module; an older module lacks some of them.
@@ -34,6 +36,45 @@ class CoreMissingError(RuntimeError):
     """The native module cannot be used. The message says why and what to do."""
 
 
+def addon_version() -> str:
+    """This add-on's version, from its manifest."""
+    manifest = Path(__file__).resolve().parents[1] / "blender_manifest.toml"
+    return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
+
+
+def _installed_build(module: ModuleType) -> str:
+    """What lies on disk where the module was loaded from: the name of its wheel's record, which holds a hash of the
+    content. "" where it came from no wheel."""
+    file = getattr(module, "__file__", None)
+    if file is None:
+        return ""
+    return ", ".join(sorted(path.name for path in Path(file).parent.glob("togishi_core-*-info")))
+
+
+def _stale(module: ModuleType) -> str:
+    """Why the module is not the one that belongs to this add-on, or ""."""
+    version = getattr(module, "__version__", "unknown")
+    build = _installed_build(module)
+    # A loaded library stays in memory until Blender ends, whatever is installed meanwhile. The module outlives
+    # this add-on's own modules, so it keeps what it was loaded from.
+    if not hasattr(module, "togishi_loaded_from"):
+        module.togishi_loaded_from = build  # type: ignore[attr-defined]
+    if module.togishi_loaded_from != build:
+        return (
+            f"Togishi was installed anew while Blender was running, and its native module is still "
+            f"the earlier one ({version}). Restart Blender."
+        )
+    own = addon_version()
+    missing = [name for name in REQUIRED if not hasattr(module, name)]
+    if version != own or missing:
+        lacks = f"; it lacks {missing[0]}" if missing else ""
+        return (
+            f"Togishi's native module is from another version ({version}; the add-on is {own}{lacks}). "
+            "Remove the extension, restart Blender, then install it again."
+        )
+    return ""
+
+
 @cache
 def _load() -> tuple[ModuleType | None, str]:
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
@@ -49,18 +90,14 @@ def _load() -> tuple[ModuleType | None, str]:
             f"Togishi's native module (togishi_core) is not installed for Python {python}. "
             "Remove the extension, install the package made for this platform, then restart Blender."
         )
-    except ImportError as error:
+    except (ImportError, OSError, SystemError) as error:
         return None, (
             f"Togishi's native module does not load in Python {python}: {error}. "
             "Remove the extension, restart Blender, then install the package made for this platform."
         )
-    missing = [name for name in REQUIRED if not hasattr(module, name)]
-    if missing:
-        version = getattr(module, "__version__", "unknown")
-        return None, (
-            f"Togishi's native module is from another version ({version}; it lacks {missing[0]}). "
-            "Remove the extension, restart Blender, then install it again."
-        )
+    stale = _stale(module)
+    if stale:
+        return None, stale
     return module, ""
 
 

@@ -27,7 +27,7 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
         note = (
             f"Light {light.name!r} ({light.type.lower()}) is drawn as a point light of its power."
         )
-    if not getattr(light, "normalize", True):
+    if not blender_versions.light_is_normalised(light):
         # The number is then per area of the lamp: of a sphere's surface, of the sun's disc seen from here.
         if kind is LightKind.SUN:
             power *= math.pi * math.sin(0.5 * float(light.angle)) ** 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from .. import graphics
 from ..core import native
 from ..core.scene_data import SceneData
 from .camera_read import border_region, region_camera, render_camera, whole_size
@@ -51,7 +52,7 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, layer, PART_PASS, 1, "X", "VALUE")
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
-        reason = native.problem()
+        reason = native.problem() or graphics.problem()
         if reason:
             self.error_set(reason)
             return
@@ -118,7 +119,7 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         self._viewport.scene = self._viewport.sync.update(depsgraph, context.space_data)
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
-        reason = native.problem()
+        reason = native.problem() or graphics.problem()
         if reason:
             self.update_stats("Togishi", reason)
             return

@@ -222,8 +222,7 @@ def _write_table(material: bpy.types.Material) -> bpy.types.Image:
         image = bpy.data.images.new(
             name, TABLE_SIZE, 1, alpha=False, float_buffer=True, is_data=True
         )
-        if hasattr(image, "use_half_precision"):
-            image.use_half_precision = False
+        image.use_half_precision = False
     table = native.core().fresnel_table(
         properties.metal_spec(material),
         material.togishi.node_spectrum,
