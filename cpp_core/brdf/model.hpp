@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 
 #define TG_FN inline
+#define TG_PRECISE
 
 namespace togishi::f32 {
 using namespace glm;
@@ -11,6 +12,7 @@ using namespace glm;
 }  // namespace togishi::f32
 
 // The same text in double precision.
+#define TG_DOUBLE
 #define float double
 #define vec2 dvec2
 #define vec3 dvec3
@@ -23,4 +25,6 @@ using namespace glm;
 #undef vec2
 #undef vec3
 #undef vec4
+#undef TG_DOUBLE
+#undef TG_PRECISE
 #undef TG_FN

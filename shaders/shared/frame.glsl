@@ -50,9 +50,11 @@ TG_FN vec2 fold_normal(vec3 normal) {
 }
 
 TG_FN vec3 unfold_normal(vec2 folded) {
-    float d = float(1.0) + folded.x * folded.x + folded.y * folded.y;
-    float s = float(2.0) / d;
-    return vec3(folded.x * s, folded.y * s, s - float(1.0));
+    // To the same bits in every program that reads the pixel.
+    TG_PRECISE float d = float(1.0) + folded.x * folded.x + folded.y * folded.y;
+    TG_PRECISE float s = float(2.0) / d;
+    TG_PRECISE vec3 normal = vec3(folded.x * s, folded.y * s, s - float(1.0));
+    return normal;
 }
 
 // Two directions perpendicular to a normal of which z > -1, smooth over all of them, so that a tangent can be kept

@@ -4,6 +4,7 @@
 #include "shared/fresnel.glsl"
 #include "shared/table.glsl"
 #include "shared/lobe.glsl"
+#include "shared/half_angle.glsl"
 #include "shared/shadowing.glsl"
 #include "shared/frame.glsl"
 #include "shared/surface.glsl"

@@ -24,26 +24,20 @@ struct Reflection {
     float at_theta_h;       // 1/sr, multiplies F(theta_H) E
 };
 
-// Unit, or shorter than 1/2 where L = -V: then there is no half vector, one of the cosines to the normal is <= 0
-// and nothing is reflected.
-TG_FN vec3 half_vector_of(vec3 view, vec3 light) {
-    vec3 sum = light + view;
-    return sum * (float(1.0) / sqrt(max(dot(sum, sum), float(1.0e-12))));
-}
-
 // All vectors of unit length. Defined results where nothing is reflected: N.L or N.V <= TG_MIN_COS (so 0,
-// negative and exactly 90 degrees), L = -V, and any vector that is zero, NaN or infinite: lit = 0 and every other
-// member 0, so that no later product meets NaN.
-TG_FN LightGeometry light_geometry_at(vec3 normal, vec3 view, vec3 light, vec3 half_vector, Facet facet) {
+// negative and exactly 90 degrees; this covers L = -V), and any vector that is zero, NaN or infinite: lit = 0 and
+// every other member 0, so that no later product meets NaN.
+TG_FN LightGeometry light_geometry_at(vec3 normal, vec3 view, vec3 light, HalfAngle half_vector, Facet facet) {
     LightGeometry g;
     float n_dot_v = dot(normal, view);
     g.cos_i = dot(normal, light);
-    g.lit = (g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && dot(half_vector, half_vector) > float(0.25)) ? float(1.0)
-                                                                                                         : float(0.0);
-    g.cos_h = clamp(dot(light, half_vector), float(0.0), float(1.0));
+    g.cos_h = clamp(float(0.5) * half_vector.size, float(0.0), float(1.0));
+    bool finite = half_vector.along > float(0.0) && half_vector.size < float(4.0);
+    g.lit = (g.cos_i > TG_MIN_COS && n_dot_v > TG_MIN_COS && finite) ? float(1.0) : float(0.0);
     g.facet = facet;
-    g.g_over_cos_r = shadowing_over_cos_r(dot(normal, half_vector), max(n_dot_v, TG_MIN_COS),
-                                          max(g.cos_i, TG_MIN_COS), g.cos_h);
+    g.g_over_cos_r =
+        shadowing_over_cos_r(half_vector.along / max(half_vector.size, float(1.0e-7)), max(n_dot_v, TG_MIN_COS),
+                             max(g.cos_i, TG_MIN_COS), g.cos_h);
     // Comparisons with NaN are false, so lit is 0 here whatever a vector holds.
     if (g.lit < float(0.5)) {
         g.cos_i = float(0.0);
@@ -56,9 +50,8 @@ TG_FN LightGeometry light_geometry_at(vec3 normal, vec3 view, vec3 light, vec3 h
 }
 
 TG_FN LightGeometry light_geometry(vec3 normal, vec3 tangent, vec3 bitangent, vec3 view, vec3 light) {
-    vec3 half_vector = half_vector_of(view, light);
-    return light_geometry_at(normal, view, light, half_vector,
-                             facet_of_half_vector(half_vector, normal, tangent, bitangent));
+    HalfAngle half_vector = half_angle(normal, view, light);
+    return light_geometry_at(normal, view, light, half_vector, facet_of(half_vector, tangent, bitangent));
 }
 
 // measured < 0 asks for the normalised weight, else it is chi.

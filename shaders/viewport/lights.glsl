@@ -1,40 +1,48 @@
-// One lamp as it arrives at a point.
-struct Arriving {
-    vec3 direction; // unit, to the light
-    vec3 colour;    // irradiance on a surface facing the light, times the light's RGB
-    int row;        // in the table
+// Where a lamp stands from a point. Its colour comes after the question whether the surface reflects it at all.
+struct Towards {
+    vec3 direction; // unit
+    float distance_squared;
 };
 
-Arriving arriving_point(int index, vec3 position) {
-    Arriving a;
-    vec4 place = lights.light[index].place;
-    vec4 colour = lights.light[index].colour;
-    vec3 to_light = place.xyz - position;
-    float distance_squared = max(dot(to_light, to_light), TG_MIN_DISTANCE_SQUARED);
-    a.direction = to_light * inversesqrt(distance_squared);
-    a.colour = colour.xyz * (light_point_intensity(1.0) * light_distance_falloff(distance_squared));
-    a.row = int(colour.w);
-    return a;
+Towards towards_point(int index, vec3 position) {
+    // To the same bits in every program that asks.
+    TG_PRECISE vec3 to_light = lights.light[index].place.xyz - position;
+    TG_PRECISE float distance_squared = max(dot(to_light, to_light), TG_MIN_DISTANCE_SQUARED);
+    TG_PRECISE vec3 direction = to_light * inversesqrt(distance_squared);
+    Towards t;
+    t.direction = direction;
+    t.distance_squared = distance_squared;
+    return t;
+}
+
+Towards towards_sun(int index) {
+    Towards t;
+    t.direction = lights.light[index].place.xyz;
+    t.distance_squared = 1.0;
+    return t;
+}
+
+int lamp_row(int index) {
+    return int(lights.light[index].colour.w);
+}
+
+// Irradiance on a surface facing the lamp, times the lamp's RGB.
+vec3 point_colour(int index, Towards t) {
+    return lights.light[index].colour.xyz * (light_point_intensity(1.0) * light_distance_falloff(t.distance_squared));
 }
 
 #ifdef TG_SPOTS
-Arriving arriving_spot(int index, int spot_index, vec3 position) {
-    Arriving a = arriving_point(index, position);
+vec3 spot_colour(int index, int spot_index, Towards t) {
     TgSpot spot = spots.spot[spot_index];
-    vec3 in_lamp = -vec3(dot(spot.axis_x.xyz, a.direction), dot(spot.axis_y.xyz, a.direction),
-                         dot(spot.axis_z.xyz, a.direction));
+    vec3 in_lamp = -vec3(dot(spot.axis_x.xyz, t.direction), dot(spot.axis_y.xyz, t.direction),
+                         dot(spot.axis_z.xyz, t.direction));
     float cos_angle = in_lamp.z * inversesqrt(max(dot(in_lamp, in_lamp), 1.0e-20));
-    a.colour *= light_spot_blend(cos_angle, spot.axis_y.w, spot.axis_x.w);
-    return a;
+    return point_colour(index, t) * light_spot_blend(cos_angle, spot.axis_y.w, spot.axis_x.w);
 }
 #endif
 
-Arriving arriving_sun(int index) {
-    Arriving a;
-    a.direction = lights.light[index].place.xyz;
-    a.colour = lights.light[index].colour.xyz;
-    a.row = int(lights.light[index].colour.w);
-    return a;
+vec3 sun_colour(int index) {
+    return lights.light[index].colour.xyz;
 }
 
 vec3 table_rgb(int row, float cos_theta) {

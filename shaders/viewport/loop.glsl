@@ -1,22 +1,36 @@
-// The sum over all lamps of TG_REFLECT(arriving), into `sum`. Included where the surface is known.
+// The sum over all lamps, into `sum`. Included where the surface is known, behind two macros: TG_REACHED(direction) is 1
+// where the lamp can be reflected, else 0; TG_REFLECT(direction, colour, row) is what is reflected of it. A loop of one
+// turn stands where others would write `if`: some compilers turn a branch into two sides that are both computed.
     int first = 0;
 #ifdef TG_POINTS
     int points = int(frame.counts.x);
     for (int i = 0; i < points; ++i) {
-        sum += TG_REFLECT(arriving_point(i, place));
+        Towards t = towards_point(i, place);
+        int times = TG_REACHED(t.direction);
+        for (int once = 0; once < times; ++once) {
+            sum += TG_REFLECT(t.direction, point_colour(i, t), lamp_row(i));
+        }
     }
     first += points;
 #endif
 #ifdef TG_SPOTS
     int spot_count = int(frame.counts.y);
     for (int i = 0; i < spot_count; ++i) {
-        sum += TG_REFLECT(arriving_spot(first + i, i, place));
+        Towards t = towards_point(first + i, place);
+        int times = TG_REACHED(t.direction);
+        for (int once = 0; once < times; ++once) {
+            sum += TG_REFLECT(t.direction, spot_colour(first + i, i, t), lamp_row(first + i));
+        }
     }
     first += spot_count;
 #endif
 #ifdef TG_SUNS
     int suns = int(frame.counts.z);
     for (int i = 0; i < suns; ++i) {
-        sum += TG_REFLECT(arriving_sun(first + i));
+        Towards t = towards_sun(first + i);
+        int times = TG_REACHED(t.direction);
+        for (int once = 0; once < times; ++once) {
+            sum += TG_REFLECT(t.direction, sun_colour(first + i), lamp_row(first + i));
+        }
     }
 #endif

@@ -7,18 +7,19 @@ vec3 light_rgb(int row) {
     return table.rgb[row * TG_TABLE_SIZE].xyz;
 }
 
-vec3 reflect_light(Arriving a, vec3 normal, vec3 view, LobeForm form) {
-    vec3 half_vector = half_vector_of(view, a.direction);
-    LightGeometry g = light_geometry_at(normal, view, a.direction, half_vector, facet_isotropic(half_vector, normal));
+vec3 reflect_light(vec3 light, vec3 colour, int row, vec3 normal, vec3 view, LobeForm form) {
+    HalfAngle half_vector = half_angle(normal, view, light);
+    LightGeometry g = light_geometry_at(normal, view, light, half_vector, facet_isotropic(half_vector));
     float metallic = plain.gloss.y;
     vec3 albedo = plain.albedo.xyz;
     vec3 diffuse = albedo * (plain_diffuse(g) * (1.0 - metallic));
     vec3 gloss = vec3(plain_gloss(form, g, plain.albedo.w) * (1.0 - metallic)) +
                  albedo * (hamon_reflection(form, g, -1.0) * metallic);
-    return a.colour * light_rgb(a.row) * (diffuse + gloss);
+    return colour * light_rgb(row) * (diffuse + gloss);
 }
 
-#define TG_REFLECT(arriving) reflect_light(arriving, normal, view, form)
+#define TG_REACHED(direction) (dot(normal, direction) > TG_MIN_COS ? 1 : 0)
+#define TG_REFLECT(direction, colour, row) reflect_light(direction, colour, row, normal, view, form)
 
 void main() {
     vec3 place = v_position;

@@ -21,7 +21,8 @@ struct Steel {
     float chi;
     float beta_ha;
     float beta_hadori;
-    float widest; // smallest exponent per sin^2 phi of all lobes
+    float n_dot_v;
+    float reach; // (N.H)^2 from which on a lobe reflects anything
 };
 
 LobeForm form_of(Lobe lobe) {
@@ -57,53 +58,53 @@ vec3 spectral_sum(int row, float cos_i, float cos_h, float at_theta_i, float at_
 }
 #endif
 
-vec3 reflect_light(Arriving a, Steel s) {
-    vec3 sum = vec3(0.0);
-    vec3 half_vector = half_vector_of(s.view, a.direction);
-    vec3 n_cross_h = cross(s.axes.normal, half_vector);
-    float n_dot_h = dot(s.axes.normal, half_vector);
-    // phi >= sin(phi), so this is dark where the lobe is. H behind the surface needs no test: one of the cosines
-    // is negative there. A loop, because some compilers turn a plain branch into two sides that are both computed.
-    float exponent = s.widest * dot(n_cross_h, n_cross_h);
-    int times = exponent < TG_DARK_EXPONENT && n_dot_h > 0.0 && dot(s.axes.normal, a.direction) > TG_MIN_COS ? 1 : 0;
+// Whether any lobe of the pixel reflects this lamp: phi >= sin(phi), and what is left out is below 1e-13 of the peak.
+// Cheap and a little generous; light_geometry_at() has the last word.
+int reached(vec3 light, Steel s) {
 #ifdef TG_EVERY_LAMP
     // Only for measuring what this saves.
-    times = 1;
-#endif
-    for (int once = 0; once < times; ++once) {
-#ifdef TG_ANISOTROPIC
-        Facet facet = facet_of_half_vector(half_vector, s.axes.normal, s.axes.tangent, s.axes.bitangent);
+    return 1;
 #else
-        Facet facet = facet_isotropic(half_vector, s.axes.normal);
+    vec3 half_vector = s.view + light;
+    float along = dot(s.axes.normal, half_vector);
+    return along > s.n_dot_v && along * along > s.reach * dot(half_vector, half_vector) ? 1 : 0;
 #endif
-        LightGeometry g = light_geometry_at(s.axes.normal, s.view, a.direction, half_vector, facet);
-#ifdef TG_ONE_LOBE
-        bool rough = s.w > 0.5;
-        float amount = rough ? hamon_reflection(s.ji, g, s.chi) : ji_reflection(s.ji, g, s.chi);
-        float cosine = rough ? g.cos_h : g.cos_i;
-#ifdef TG_BENCH_61
-        sum += a.colour * spectral_sum(a.row, g.cos_i, g.cos_h, rough ? 0.0 : amount, rough ? amount : 0.0);
-#else
-        sum += a.colour * (table_rgb(a.row, cosine) * amount);
-#endif
-#else
-        float hadori = 0.0;
-#ifdef TG_HADORI
-        hadori = hamon_reflection(s.hadori, g, s.beta_hadori);
-#endif
-        Reflection r =
-            blend_reflection(ji_reflection(s.ji, g, s.chi), hadori, hamon_reflection(s.ha, g, s.beta_ha), s.w, s.h);
-#ifdef TG_BENCH_61
-        sum += a.colour * spectral_sum(a.row, g.cos_i, g.cos_h, r.at_theta_i, r.at_theta_h);
-#else
-        sum += a.colour * (table_rgb(a.row, g.cos_i) * r.at_theta_i + table_rgb(a.row, g.cos_h) * r.at_theta_h);
-#endif
-#endif
-    }
-    return sum;
 }
 
-#define TG_REFLECT(arriving) reflect_light(arriving, s)
+vec3 reflect_light(vec3 light, vec3 colour, int row, Steel s) {
+    HalfAngle half_vector = half_angle(s.axes.normal, s.view, light);
+#ifdef TG_ANISOTROPIC
+    Facet facet = facet_of(half_vector, s.axes.tangent, s.axes.bitangent);
+#else
+    Facet facet = facet_isotropic(half_vector);
+#endif
+    LightGeometry g = light_geometry_at(s.axes.normal, s.view, light, half_vector, facet);
+#ifdef TG_ONE_LOBE
+    bool rough = s.w > 0.5;
+    float amount = rough ? hamon_reflection(s.ji, g, s.chi) : ji_reflection(s.ji, g, s.chi);
+    float cosine = rough ? g.cos_h : g.cos_i;
+#ifdef TG_BENCH_61
+    return colour * spectral_sum(row, g.cos_i, g.cos_h, rough ? 0.0 : amount, rough ? amount : 0.0);
+#else
+    return colour * (table_rgb(row, cosine) * amount);
+#endif
+#else
+    float hadori = 0.0;
+#ifdef TG_HADORI
+    hadori = hamon_reflection(s.hadori, g, s.beta_hadori);
+#endif
+    Reflection r =
+        blend_reflection(ji_reflection(s.ji, g, s.chi), hadori, hamon_reflection(s.ha, g, s.beta_ha), s.w, s.h);
+#ifdef TG_BENCH_61
+    return colour * spectral_sum(row, g.cos_i, g.cos_h, r.at_theta_i, r.at_theta_h);
+#else
+    return colour * (table_rgb(row, g.cos_i) * r.at_theta_i + table_rgb(row, g.cos_h) * r.at_theta_h);
+#endif
+#endif
+}
+
+#define TG_REACHED(direction) reached(direction, s)
+#define TG_REFLECT(direction, colour, row) reflect_light(direction, colour, row, s)
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -122,17 +123,19 @@ void main() {
     s.h = p.h;
     s.chi = p.chi;
     s.ji = form_of(p.ji);
-    s.widest = least(s.ji);
+    float widest = least(s.ji); // smallest exponent over phi^2 of all lobes
 #ifndef TG_ONE_LOBE
     s.ha = form_of(p.ha);
     s.beta_ha = p.beta_ha;
-    s.widest = p.w > 0.0 ? min(s.widest, least(s.ha)) : s.widest;
+    widest = p.w > 0.0 ? min(widest, least(s.ha)) : widest;
 #ifdef TG_HADORI
     s.hadori = form_of(p.hadori);
     s.beta_hadori = p.beta_hadori;
-    s.widest = p.h > 0.0 ? min(s.widest, least(s.hadori)) : s.widest;
+    widest = p.h > 0.0 ? min(widest, least(s.hadori)) : widest;
 #endif
 #endif
+    s.n_dot_v = dot(s.axes.normal, s.view);
+    s.reach = 1.0 - 2.0e-6 - TG_DARK_EXPONENT / max(widest, 1.0e-6);
     vec3 sum = vec3(0.0);
 #include "viewport/loop.glsl"
 #ifdef TG_WORLD

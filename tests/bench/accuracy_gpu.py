@@ -13,10 +13,9 @@ from dataclasses import dataclass, field
 import bench_gpu
 import numpy as np
 import togishi_core
-from accuracy_reference import arriving, reference_picture, to_xyz
+from accuracy_reference import reference_picture, to_xyz
 from accuracy_scenes import LOBES, TILE_PIXELS, blade_scene, tile_scene
 from bench_rows import Measurement, Row, command_line, write_measurement
-from togishi.core.scene_data import Camera, SceneData
 from togishi.engine.renderer import Gbuffer, Renderer
 
 INCIDENCES_DEG = (0.0, 10.0, 25.0, 40.0, 55.0, 65.0, 75.0, 82.0, 86.0, 88.0, 89.0, 89.5, 89.9)
@@ -58,16 +57,12 @@ def relative_errors(
     return (np.abs(got - expected).max(axis=1) / np.maximum(luminance, 1e-300))[judged], judged
 
 
-def beyond_the_range(scene: SceneData, camera: Camera, gbuffer: Gbuffer) -> np.ndarray:
+def beyond_the_range(gbuffer: Gbuffer) -> np.ndarray:
     """(H, W) where light or view stand closer to the horizon than 89.9 degrees."""
     normal = gbuffer.normal.astype(np.float64)
-    shape = normal.shape
-    _, _, directions, _ = arriving(
-        scene, camera, gbuffer.position.astype(np.float64).reshape(-1, 3)
-    )
     cosines = (
         np.sum(normal * gbuffer.view, axis=-1),
-        np.sum(normal * directions[:, 0].reshape(shape), axis=-1),
+        np.sum(normal * gbuffer.directions[:, :, 0], axis=-1),
     )
     return np.minimum(*cosines) < np.cos(np.radians(LAST_DEG))
 
@@ -90,7 +85,7 @@ def walls(quick: bool, say: Callable[[str], None]) -> tuple[Worst, Worst]:
             )
             gbuffer = renderer.gbuffer(scene, camera, size)
             expected = reference_picture(scene, camera, gbuffer)
-            expected[beyond_the_range(scene, camera, gbuffer)] = np.nan
+            expected[beyond_the_range(gbuffer)] = np.nan
             for worst, float32 in ((whole, True), (half, False)):
                 colour = renderer.draw(scene, camera, size, float32=float32).read()[..., :3]
                 picture = to_xyz(colour, scene.colour.space)

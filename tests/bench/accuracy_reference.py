@@ -1,5 +1,5 @@
-"""The reference's picture of what the GPU drew: fed the GPU's own interpolated normals, tangents, views, positions and
-map values (Renderer.gbuffer), so that what remains is the arithmetic of the shading."""
+"""The reference's picture of what the GPU drew: fed the GPU's own interpolated normals, tangents, views, positions,
+directions to the lamps and map values (Renderer.gbuffer), so that what remains is the arithmetic of the shading."""
 
 from __future__ import annotations
 
@@ -22,28 +22,26 @@ def to_xyz(rgb: np.ndarray, space: str) -> np.ndarray:
 
 def arriving(
     scene: SceneData, camera: Camera, position: np.ndarray
-) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
-    """Spectra, index of each lamp's, directions (P, K, 3) and irradiances (P, K) at positions in view space. The
-    lamps' places are those that the GPU gets, in float."""
+) -> tuple[list[str], np.ndarray, np.ndarray]:
+    """Spectra, index of each lamp's, and irradiances (P, K) at positions in view space. The lamps' places are those
+    that the GPU gets, in float."""
     passes = packing.light_passes(scene.lights, scene.world)
     assert len(passes) == 1, "a test scene fits into one pass"
     space = packing.view_space(camera, (1, 1))
     block = packing.lights_block(passes[0], space).astype(np.float64)
-    directions, irradiances = [], []
+    irradiances = []
     for light, (place, _) in zip(passes[0].lights, block, strict=False):
         assert light.colour == (1.0, 1.0, 1.0), "the reference knows spectra, not tints"
         assert light.kind is not LightKind.SPOT
         if light.kind is LightKind.SUN:
-            directions.append(np.broadcast_to(place[:3], position.shape))
             irradiances.append(np.full(len(position), light.power))
         else:
             to_light = place[:3] - position
             squared = np.sum(to_light**2, axis=1)
-            directions.append(to_light / np.sqrt(squared)[:, None])
             irradiances.append(light.power / (4 * math.pi * squared))
     spectra = list(passes[0].spectra)
     light_of = np.array([spectra.index(light.spectrum) for light in passes[0].lights], np.int32)
-    return spectra, light_of, np.stack(directions, axis=1), np.stack(irradiances, axis=1)
+    return spectra, light_of, np.stack(irradiances, axis=1)
 
 
 def reference_picture(
@@ -78,16 +76,14 @@ def reference_picture(
                     "h",
                 )
             }
-            spectra, light_of, directions, irradiances = arriving(
-                scene, camera, points.pop("position")
-            )
+            spectra, light_of, irradiances = arriving(scene, camera, points.pop("position"))
             with_maps = steel.maps is not None
             chi = packing.steel_block(steel)[8 + part if with_maps else part, 3]
             picture[chosen] = evaluate(
                 steel.metal,
                 spectra,
                 light_of,
-                light_direction=directions,
+                light_direction=gbuffer.directions[chosen].astype(np.float64),
                 irradiance=irradiances,
                 chi=float(chi),
                 beta_ha=float(steel.ha[3] if with_maps else chi),

@@ -128,7 +128,7 @@ class GpuFormulas:
             info.fragment_out(0, "VEC4", "row")
             info.vertex_source("void main() { gl_Position = vec4(corner, 0.0, 1.0); }")
             info.fragment_source(
-                f"#define TG_FN\n{self.shared.text}\n"
+                f"#define TG_FN\n#define TG_PRECISE precise\n{self.shared.text}\n"
                 f"{fragment_source(self.shared, self.shared.functions[name])}"
             )
             self._shaders[name] = gpu.shader.create_from_info(info)

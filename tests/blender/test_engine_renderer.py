@@ -258,7 +258,9 @@ def test_more_spectra_than_one_block_holds(scenes, renderer):
         scenes.point_light((2, -3, 2), 10.0, spectrum=f"blackbody:{kelvin}") for kelvin in kelvins
     )
     scene = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(5.0), lights)
-    assert len(packing.light_passes(lights, scene.world)) == 3
+    assert (
+        len(packing.light_passes(lights, scene.world)) == -(-len(lights) // packing.TABLE_ROWS) > 1
+    )
     camera = scenes.look_at((0.0, -4.0, 0.0), fov_deg=35.0)
     together = renderer.draw(scene, camera, SIZE, float32=True).read()
     apart = sum(

@@ -22,7 +22,8 @@ f64::Facet facet_at(double phi_deg, double azimuth_deg) {
     const double phi = phi_deg * degree, azimuth = azimuth_deg * degree;
     const glm::dvec3 half_vector(std::sin(phi) * std::cos(azimuth),
                                  std::sin(phi) * std::sin(azimuth), std::cos(phi));
-    return f64::facet_of_half_vector(half_vector, {0, 0, 1}, {1, 0, 0}, {0, 1, 0});
+    const glm::dvec3 up(0, 0, 1);
+    return f64::facet_of({glm::cross(up, half_vector), half_vector.z, 1.0}, {1, 0, 0}, {0, 1, 0});
 }
 
 double lobe_at(double mu_t_deg, double mu_b_deg, double rho_deg, double phi_deg,
@@ -252,11 +253,12 @@ TEST(Lobe, FloatAgreesWithDoubleOnTheSameInput) {
         const auto frame64 = f64::tangent_frame(normal, tangent);
         if (std::abs(glm::dot(normal, tangent)) > 0.99F)
             continue;  // axes ill-defined by the input itself
-        const auto facet =
-            f32::facet_of_half_vector(half_vector, frame.normal, frame.tangent, frame.bitangent);
-        const auto facet64 =
-            f64::facet_of_half_vector(glm::normalize(glm::dvec3(half_vector)), frame64.normal,
-                                      frame64.tangent, frame64.bitangent);
+        // L = V = H, so that S = 2 H.
+        const auto facet = f32::facet_of(f32::half_angle(frame.normal, half_vector, half_vector),
+                                         frame.tangent, frame.bitangent);
+        const auto facet64 = f64::facet_of(
+            f64::half_angle(frame64.normal, glm::dvec3(half_vector), glm::dvec3(half_vector)),
+            frame64.tangent, frame64.bitangent);
         const double away = std::hypot(facet64.dx, facet64.dy);
         // At H near -N the azimuth jumps; no lit point is beyond 90 degrees.
         if (away > std::numbers::pi / 2) continue;

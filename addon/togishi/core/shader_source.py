@@ -14,9 +14,10 @@ from pathlib import Path
 
 # Sizes that the GLSL side and packing.py agree on.
 LIGHT_CAPACITY = 256
-TABLE_SIZE = 64
-# 16 rows of 64 texels are 16 KiB, the size of a uniform block that every GPU has.
-TABLE_ROWS = 16
+# Linear interpolation errs by 6e-6 of F at most; a spectral line whose Z is 90 times its Y needs that.
+TABLE_SIZE = 512
+# Together 64 KiB, the size of a uniform block on every GPU that Blender runs on.
+TABLE_ROWS = 8
 MAX_LEVELS = 16
 PART_COUNT = 8
 WAVELENGTHS = 61
@@ -140,6 +141,8 @@ _SIZES = {
     "TG_WAVELENGTHS": str(WAVELENGTHS),
     "TG_WAVELENGTH_ROWS": str(WAVELENGTH_ROWS),
 }
+# How GLSL says what shaders/shared leaves to each compiler.
+_DIALECT = {"TG_FN": "", "TG_PRECISE": "precise"}
 _OBJECT_PUSH = (
     ("VEC4", "model_0"),
     ("VEC4", "model_1"),
@@ -176,7 +179,7 @@ def _program(
         vertex=resolve(vertex),
         fragment=resolve(fragment),
         typedefs=_typedefs(),
-        defines=tuple(sorted({**defines, **_SIZES, "TG_FN": ""}.items())),
+        defines=tuple(sorted({**defines, **_SIZES, **_DIALECT}.items())),
         attributes=attributes,
         varyings=varyings,
         blocks=blocks,
@@ -312,6 +315,19 @@ def steel_inputs_program(steel: SteelVariant, *, many: bool = False) -> ProgramS
         (),
         steel,
         tuple(("VEC4", f"out_{name}") for name in INPUT_TARGETS),
+    )
+
+
+@cache
+def steel_direction_program(steel: SteelVariant) -> ProgramSource:
+    """The direction to one lamp in each pixel of a steel, as the second half computes it."""
+    return _steel_screen(
+        "togishi_steel_direction",
+        "viewport/steel_direction.frag.glsl",
+        {**steel.defines(), "TG_MANY": "", "TG_OUTPUT_MAX": repr(FLOAT_MAX)},
+        (("TgLights", "lights"), ("TgTable", "table")),
+        steel,
+        (("VEC4", "out_direction"),),
     )
 
 

@@ -158,6 +158,7 @@ class Gbuffer:
     part: np.ndarray  # (H, W) int
     steel: np.ndarray  # (H, W) int: index in `materials`
     materials: tuple[str, ...]  # keys in SceneData.materials
+    directions: np.ndarray  # (H, W, lamps of the first pass, 3) unit, to each lamp
 
 
 def read_texture(texture: GPUTexture) -> np.ndarray:
@@ -315,6 +316,12 @@ class Renderer:
                         self._bind_screen(source, steel, targets, (-1.0, -1.0, 1.0, 1.0))
                         self._rectangle().draw(self._shader(source))
         read = dict(zip(names, (read_texture(texture) for texture in textures), strict=True))
+        if self._passes:
+            self._set_lights(space, 0)
+        directions = [
+            self._direction_picture(targets, textures[0], targets.depth, lamp)
+            for lamp in range(len(self._passes[0].lights))
+        ]
         # 0: nothing there, else 1 + part + 8 steel.
         code = np.rint(read["tangent"][..., 3]).astype(np.int32) - 1
         hadori = (read["ha"][..., 3], read["normal"][..., 3], read["view"][..., 3])
@@ -332,7 +339,26 @@ class Renderer:
             part=np.where(code >= 0, code % 8, 0),
             steel=np.where(code >= 0, code // 8, 0),
             materials=tuple(steel.key for steel in self._steels),
+            directions=np.stack(directions, axis=2)
+            if directions
+            else np.zeros((*code.shape, 0, 3), np.float32),
         )
+
+    def _direction_picture(
+        self, targets: _Targets, target: GPUTexture, depth: GPUTexture, lamp: int
+    ) -> np.ndarray:
+        """(H, W, 3): towards this lamp of the first pass."""
+        framebuffer = GPUFrameBuffer(color_slots=[target], depth_slot=depth)
+        with _DrawState(), framebuffer.bind():
+            framebuffer.clear(color=(0.0, 0.0, 0.0, 0.0))
+            _screen_state()
+            for steel in self._steels:
+                source = shader_source.steel_direction_program(steel.variant)
+                shader = self._bind_screen(source, steel, targets, (-1.0, -1.0, 1.0, 1.0))
+                shader.uniform_block("lights", self._block("lights", 0).buffer)
+                shader.uniform_float("object_state", (1.0, float(steel.number), -1.0, float(lamp)))
+                self._rectangle().draw(shader)
+        return read_texture(target)[..., :3]
 
     def copy(
         self,
