@@ -27,10 +27,11 @@ build: setup ## build the togishi command and the C++ tests
 	@cmake --preset release >/dev/null
 	@cmake --build --preset release
 
-# The module is rebuilt and installed only when something that it is made of has changed.
+# The module is rebuilt and installed only when something that it is made of has changed. CXX: the name under which
+# CMake's presets know the compiler, so that ccache finds their objects.
 define install_core
 	@$(SAY) "building the Python module for $(1)"
-	@$(1) -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation --force-reinstall . \
+	@CXX=c++ $(1) -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation --force-reinstall . \
 	    || { . tools/say.sh; fail "the module togishi_core did not build for $(1): the compiler's message is above."; }
 	@mkdir -p build && touch $@
 endef
