@@ -30,8 +30,8 @@ struct RadiusNode {
     double radius, share;
 };
 
-// Gauss nodes in s = r^2 for the density of the sum of the two displacements (Golub and Welsch, 1969), the
-// recurrence by Stieltjes' procedure on a fine sum.
+// Gauss nodes in s = r^2 for the density of the sum of the two displacements (Golub and Welsch,
+// 1969), the recurrence by Stieltjes' procedure on a fine sum.
 std::vector<RadiusNode> radius_nodes(double a, double b, int rings) {
     constexpr int steps = 2000;
     const double most = a + b;
@@ -87,8 +87,8 @@ std::vector<ApertureNode> aperture_nodes(double source_deg, double detector_deg,
     for (const RadiusNode& node : radius_nodes(a, b, rings)) {
         for (int i = 0; i < around; ++i) {
             const double angle = 2 * std::numbers::pi * (i + 0.5 * (ring % 2)) / around;
-            nodes.push_back(
-                {node.radius * std::cos(angle), node.radius * std::sin(angle), node.share / around});
+            nodes.push_back({node.radius * std::cos(angle), node.radius * std::sin(angle),
+                             node.share / around});
         }
         ++ring;
     }

@@ -11,7 +11,8 @@
 namespace togishi {
 namespace {
 
-// Equal steps of the cosine: from -1 step to 1 + 1 step, so that a cubic has its four points everywhere.
+// Equal steps of the cosine: from -1 step to 1 + 1 step, so that a cubic has its four points
+// everywhere.
 constexpr int steps = 256;
 
 }  // namespace
@@ -27,7 +28,8 @@ ReflectanceTable::ReflectanceTable(const std::string& metal, const std::string& 
             colour_weights(*find_light(spectrum.light), *find_observer(default_observer), grid_61);
         std::vector<double> share(wavelengths);
         for (std::size_t i = 0; i < wavelengths; ++i) {
-            share[i] = spectrum.xyz_weights.x * weights.x[i] + spectrum.xyz_weights.y * weights.y[i] +
+            share[i] = spectrum.xyz_weights.x * weights.x[i] +
+                       spectrum.xyz_weights.y * weights.y[i] +
                        spectrum.xyz_weights.z * weights.z[i];
         }
         shares.push_back(std::move(share));
@@ -51,7 +53,8 @@ ReflectanceTable::ReflectanceTable(const std::string& metal, const std::string& 
 
 Reflectance ReflectanceTable::at(std::size_t channel, double cosine) const {
     const double x = std::clamp(cosine, 0.0, 1.0) * steps;
-    const auto cell = static_cast<std::size_t>(std::min(static_cast<double>(steps - 1), std::floor(x)));
+    const auto cell =
+        static_cast<std::size_t>(std::min(static_cast<double>(steps - 1), std::floor(x)));
     const double t = x - static_cast<double>(cell);
     const double* p = rows_[channel].data() + cell;
     // Lagrange's cubic through the points at -1, 0, 1, 2.

@@ -15,7 +15,8 @@ struct Reflectance {
 
 class ReflectanceTable {
   public:
-    /// Throws InputError for an unknown metal or light, and a channel that sees nothing of the light.
+    /// Throws InputError for an unknown metal or light, and a channel that sees nothing of the
+    /// light.
     ReflectanceTable(const std::string& metal, const std::string& light,
                      const std::vector<ScanChannel>& channels);
 
