@@ -12,12 +12,29 @@ from numpy.typing import NDArray
 from . import properties
 from .core import map_channels
 
+# Counts the contents of an image, for those who keep what they made of it.
+REVISION = "togishi_revision"
+
+
+def _others_use(image: bpy.types.Image, material: bpy.types.Material) -> bool:
+    """Whether another material has the map too, as after copying a material or a scene."""
+    return any(
+        image in properties.blade_images(other)
+        for other in bpy.data.materials
+        if other != material and properties.is_blade(other)
+    )
+
 
 def _write(
-    name: str, existing: bpy.types.Image | None, pixels: NDArray[np.float32]
+    name: str,
+    existing: bpy.types.Image | None,
+    pixels: NDArray[np.float32],
+    material: bpy.types.Material,
 ) -> bpy.types.Image:
     height, width = pixels.shape[:2]
     image = existing
+    if image is not None and _others_use(image, material):
+        image = existing = None
     if image is None or tuple(image.size) != (width, height) or not image.is_float or image.library:
         if image is not None and image.users <= 1 and not image.library:
             bpy.data.images.remove(image)
@@ -27,9 +44,9 @@ def _write(
     # Channels are data: alpha is the hadori, never an opacity to multiply by.
     image.alpha_mode = "CHANNEL_PACKED"
     image.colorspace_settings.name = "Non-Color"
-    if hasattr(image, "use_half_precision"):
-        image.use_half_precision = False
+    image.use_half_precision = False
     image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
+    image[REVISION] = int(image.get(REVISION, 0)) + 1
     image.update()
     image.pack()
     return image
@@ -57,11 +74,15 @@ def assign(material: bpy.types.Material, maps: Mapping[str, NDArray[np.float32]]
     lobes, shape = map_channels.to_images(maps)
     settings = material.togishi
     with properties.held_updates():
-        settings.lobes_image = _write(f"{material.name} lobes", settings.lobes_image, lobes)
+        settings.lobes_image = _write(
+            f"{material.name} lobes", settings.lobes_image, lobes, material
+        )
         if shape is None:
             settings.shape_image = None
         else:
-            settings.shape_image = _write(f"{material.name} shape", settings.shape_image, shape)
+            settings.shape_image = _write(
+                f"{material.name} shape", settings.shape_image, shape, material
+            )
             _keep_stretch(settings.shape_image, shape)
     properties.notify(material)
 

@@ -27,7 +27,7 @@ def pattern_dict(material: bpy.types.Material) -> dict[str, Any]:
 
 
 class PatternJob:
-    """One computation in a thread of its own. The settings are copied when it starts."""
+    """One computation in a thread of its own. The settings are copied when it is made."""
 
     def __init__(self, material: bpy.types.Material, katana: dict[str, Any]) -> None:
         group = material.togishi.pattern
@@ -42,6 +42,9 @@ class PatternJob:
         self.key = json.dumps(
             [katana, {**self._arguments[1], "name": ""}, *self._arguments[2:]], sort_keys=True
         )
+        self.material_uid = material.session_uid
+        self.share = 0.0  # of the computation that is done
+        self.cancelled = False
         self._core = native.core()
         self._maps: dict[str, Any] | None = None
         self._error: Exception | None = None
@@ -50,24 +53,53 @@ class PatternJob:
 
     def _run(self) -> None:
         try:
-            self._maps = self._core.steel_pattern(*self._arguments)
+            self._maps = self._core.steel_pattern(*self._arguments, progress=self._progress)
         except Exception as error:  # handed to the main thread, which raises it again
             self._error = error
+        finally:
+            _running.discard(self)
+
+    def _progress(self, share: float) -> bool:
+        self.share = share
+        return not self.cancelled
 
     def start(self) -> None:
+        _running.add(self)
         self._thread.start()
+
+    def cancel(self) -> None:
+        """End the computation at its next report of progress. There is no result then."""
+        self.cancelled = True
+
+    def wait(self) -> None:
+        self._thread.join()
 
     @property
     def done(self) -> bool:
         return not self._thread.is_alive()
 
     def result(self) -> dict[str, Any]:
-        """The maps by channel; waits for them. Raises what the computation raised."""
-        self._thread.join()
+        """The maps by channel; waits for them. Raises what the computation raised; InterruptedError after cancel()."""
+        self.wait()
         if self._error is not None:
             raise self._error
         assert self._maps is not None
         return self._maps
+
+
+_running: set[PatternJob] = set()
+
+
+def is_running(material: bpy.types.Material) -> bool:
+    """Whether maps for this material are being computed."""
+    return any(job.material_uid == material.session_uid and not job.cancelled for job in _running)
+
+
+def stop_all() -> None:
+    """Cancel what runs and wait for it: no thread outlives the add-on, or Blender."""
+    for job in list(_running):
+        job.cancel()
+        job.wait()
 
 
 # The last result: the redo panel runs "Add Katana" again for every touch, mostly with the same pattern.

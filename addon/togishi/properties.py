@@ -75,6 +75,11 @@ def _edited(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
         notify(self.id_data)
 
 
+def _shown(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Scripts' edits reach the viewports too. Without an update function Blender tells them of edits in panels only."""
+    self.id_data.update_tag()
+
+
 # --- menus over text ----------------------------------------------------------------------------
 # A dynamic enum keeps a number in the file, which means another entry when the list changes. So the
 # file keeps the name, and the menu reads and writes it.
@@ -451,6 +456,7 @@ class TogishiSpectrum(bpy.types.PropertyGroup):
         name="Spectrum",
         description="Name of the spectrum",
         default=spectrum_spec.AUTOMATIC,
+        update=_shown,
     )
     choice: _menu("kind", _light_entries, "Spectrum", "Which colours the light consists of")
     blackbody_k: FloatProperty(
@@ -463,6 +469,7 @@ class TogishiSpectrum(bpy.types.PropertyGroup):
         soft_max=10000.0,
         step=5000,
         precision=0,
+        update=_shown,
     )
     daylight_k: FloatProperty(
         name="Colour temperature (K)",
@@ -473,6 +480,7 @@ class TogishiSpectrum(bpy.types.PropertyGroup):
         soft_max=10000.0,
         step=5000,
         precision=0,
+        update=_shown,
     )
     line_nm: FloatProperty(
         name="Wavelength (nm)",
@@ -482,6 +490,7 @@ class TogishiSpectrum(bpy.types.PropertyGroup):
         max=700.0,
         step=100,
         precision=2,
+        update=_shown,
     )
     csv_path: StringProperty(
         name="File",
@@ -489,6 +498,7 @@ class TogishiSpectrum(bpy.types.PropertyGroup):
         default="",
         subtype="FILE_PATH",
         options={"ANIMATABLE"} | blender_versions.RELATIVE_PATH,
+        update=_shown,
     )
 
 
@@ -501,6 +511,7 @@ class TogishiScene(bpy.types.PropertyGroup):
         default=16,
         min=1,
         max=64,
+        update=_shown,
     )
     viewport_samples: IntProperty(
         name="Viewport samples",
@@ -508,16 +519,19 @@ class TogishiScene(bpy.types.PropertyGroup):
         default=8,
         min=1,
         max=64,
+        update=_shown,
     )
     use_pass_depth: BoolProperty(
         name="Depth",
         description="Write the distance to the camera",
         default=False,
+        update=_shown,
     )
     use_pass_part: BoolProperty(
         name="Part id",
         description="Write which part of the blade a pixel shows (1 ji, 2 shinogi-ji, 3 ha, …)",
         default=False,
+        update=_shown,
     )
     observer: EnumProperty(
         name="Observer",
@@ -527,6 +541,7 @@ class TogishiScene(bpy.types.PropertyGroup):
             ("cie1964_10", "CIE 1964 10°", "For fields over 4°", 1),
         ),
         default="cie1931_2",
+        update=_shown,
     )
     adaptation: EnumProperty(
         name="Adaptation",
@@ -537,6 +552,7 @@ class TogishiScene(bpy.types.PropertyGroup):
             ("bradford", "Bradford", "Every light appears white (Bradford)", 2),
         ),
         default="none",
+        update=_shown,
     )
 
 

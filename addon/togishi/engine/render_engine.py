@@ -106,7 +106,8 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         return not self.test_break()
 
     def _tell(self, messages: list[str]) -> None:
-        for message in messages:
+        # A preview's scene is Blender's own: its lights are nothing the user could change.
+        for message in () if self.is_preview else messages:
             self.report({"WARNING"}, message)
 
     # --- viewport -------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from .. import pattern_baking
 from . import add_katana, blade_material, connect_nodes, light_preset, map_files, rebake_pattern
 
 _CLASSES = tuple(
@@ -20,6 +21,7 @@ def register() -> None:
 
 
 def unregister() -> None:
+    pattern_baking.stop_all()
     add_katana.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from .. import blade_object, pattern_baking
 from ..core import native
 from ..core.katana_presets import PRESETS, preset
+from .poll import NEEDS_OBJECT_MODE, allowed
 
 # key, label, tooltip, default, lowest, highest. Ranges and defaults are the core's (a test compares them);
 # the core still decides which combinations make a blade.
@@ -99,7 +100,7 @@ class KatanaDimensions:
         default="shinogi",
     )
     sori_type: EnumProperty(
-        name="Sori",
+        name="Sori type",
         description="Where the curve lies",
         items=(
             ("torii", "Torii", "In the middle", 0),
@@ -158,7 +159,7 @@ class TOGISHI_OT_katana_add(KatanaDimensions, bpy.types.Operator):
     """Add a Japanese sword blade of documented dimensions, with its steel"""
 
     bl_idname = "mesh.togishi_katana_add"
-    bl_label = "Katana"
+    bl_label = "Add Katana"
     bl_options = {"REGISTER", "UNDO"}
 
     with_pattern: BoolProperty(
@@ -169,10 +170,7 @@ class TOGISHI_OT_katana_add(KatanaDimensions, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if native.problem():
-            cls.poll_message_set(native.problem())
-            return False
-        return context.mode == "OBJECT"
+        return allowed(cls, (context.mode == "OBJECT", NEEDS_OBJECT_MODE))
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.draw_dimensions(self.layout)
@@ -201,6 +199,12 @@ class TOGISHI_OT_katana_add(KatanaDimensions, bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _generated(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The blade that the panels show, where it remembers its dimensions."""
+    blade = blade_object.find_blade(context)
+    return blade if blade is not None and blade.togishi.katana_json else None
+
+
 class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
     """Change the dimensions of this generated blade; its material and maps stay"""
 
@@ -210,27 +214,26 @@ class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        obj = context.active_object
-        return (
-            not native.problem()
-            and obj is not None
-            and obj.type == "MESH"
-            and context.mode == "OBJECT"
-            and bool(obj.togishi.katana_json)
+        return allowed(
+            cls,
+            (_generated(context), "Needs a blade that was made by 'Add Katana'"),
+            (context.mode == "OBJECT", NEEDS_OBJECT_MODE),
         )
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.draw_dimensions(self.layout)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        obj = context.active_object
+        obj = _generated(context)
+        assert obj is not None
         _take(self, json.loads(obj.togishi.katana_json))
         self.detail = obj.togishi.detail
         return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         core = native.core()
-        obj = context.active_object
+        obj = _generated(context)
+        assert obj is not None
         parameters = json.loads(obj.togishi.katana_json)
         touched = self.properties.is_property_set
         if touched("preset") and not touched("nagasa_mm"):
@@ -251,7 +254,7 @@ class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
 
 
 def _menu(self: Any, _context: bpy.types.Context) -> None:
-    self.layout.operator(TOGISHI_OT_katana_add.bl_idname, icon="MESH_PLANE")
+    self.layout.operator(TOGISHI_OT_katana_add.bl_idname, text="Katana", icon="MESH_PLANE")
 
 
 CLASSES = (TOGISHI_OT_katana_add, TOGISHI_OT_katana_edit)

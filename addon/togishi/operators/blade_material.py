@@ -11,6 +11,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from .. import blade_object, properties
 from ..core import atomic, native
 from ..nodes import steel_group
+from .poll import NEEDS_BLADE_MATERIAL, allowed
 
 
 def _material(context: bpy.types.Context) -> bpy.types.Material | None:
@@ -30,10 +31,10 @@ class TOGISHI_OT_material_assign(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if native.problem():
-            cls.poll_message_set(native.problem())
-            return False
-        return context.active_object is not None and context.active_object.type == "MESH"
+        obj = context.active_object
+        return allowed(
+            cls, (obj is not None and obj.type == "MESH", "Needs a mesh as the active object")
+        )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         objects = {context.active_object, *context.selected_objects}
@@ -60,7 +61,13 @@ class TOGISHI_OT_material_steel(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.active_object
-        return not native.problem() and obj is not None and obj.active_material is not None
+        return allowed(
+            cls,
+            (
+                obj is not None and obj.active_material,
+                "The active object has no material to change",
+            ),
+        )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         material = context.active_object.active_material
@@ -85,7 +92,7 @@ class TOGISHI_OT_material_load(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return not native.problem() and _material(context) is not None
+        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
@@ -109,7 +116,7 @@ class TOGISHI_OT_material_save(bpy.types.Operator, ExportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return not native.problem() and _material(context) is not None
+        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:

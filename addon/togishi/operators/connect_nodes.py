@@ -9,6 +9,7 @@ from .. import bake_cost_cache, properties
 from ..core import native
 from ..nodes import steel_group
 from .blade_material import _material
+from .poll import NEEDS_BLADE_MATERIAL, allowed
 
 
 class TOGISHI_OT_nodes_connect(bpy.types.Operator):
@@ -26,10 +27,7 @@ class TOGISHI_OT_nodes_connect(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if native.problem():
-            cls.poll_message_set(native.problem())
-            return False
-        return _material(context) is not None
+        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         material = _material(context)
@@ -57,10 +55,11 @@ class TOGISHI_OT_nodes_light(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return (
-            not native.problem()
-            and _material(context) is not None
-            and any(obj.type == "LIGHT" for obj in context.scene.objects)
+        lit = any(obj.type == "LIGHT" for obj in context.scene.objects)
+        return allowed(
+            cls,
+            (_material(context), NEEDS_BLADE_MATERIAL),
+            (lit, "The scene has no light to bake for"),
         )
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -7,6 +7,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from .. import blade_object, light_rig
 from ..core.light_presets import PRESETS
+from .poll import NEEDS_OBJECT_MODE, allowed
 
 
 class TOGISHI_OT_light_preset(bpy.types.Operator):
@@ -39,12 +40,13 @@ class TOGISHI_OT_light_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if blade_object.find_blade(context) is None and (
-            context.active_object is None or context.active_object.type != "MESH"
-        ):
-            cls.poll_message_set("Needs a blade or an active mesh to aim at")
-            return False
-        return context.mode == "OBJECT"
+        active = context.active_object
+        target = blade_object.find_blade(context) or (active is not None and active.type == "MESH")
+        return allowed(
+            cls,
+            (target, "Needs a blade or an active mesh to aim at"),
+            (context.mode == "OBJECT", NEEDS_OBJECT_MODE),
+        )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         target = blade_object.find_blade(context) or context.active_object

@@ -9,9 +9,18 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import map_files, map_images
-from ..core import native
 from ..core.map_channels import MapError
 from .blade_material import _material
+from .poll import NEEDS_BLADE_MATERIAL, allowed
+
+
+def _has_maps(context: bpy.types.Context) -> tuple[tuple[object, str], ...]:
+    material = _material(context)
+    maps = material is not None and material.togishi.lobes_image is not None
+    return (
+        (material, NEEDS_BLADE_MATERIAL),
+        (maps, "This material has no maps; 'Bake Pattern' or 'Import Maps' makes them"),
+    )
 
 
 class TOGISHI_OT_maps_export(bpy.types.Operator, ExportHelper):
@@ -26,12 +35,7 @@ class TOGISHI_OT_maps_export(bpy.types.Operator, ExportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        material = _material(context)
-        return (
-            not native.problem()
-            and material is not None
-            and material.togishi.lobes_image is not None
-        )
+        return allowed(cls, *_has_maps(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
@@ -55,7 +59,7 @@ class TOGISHI_OT_maps_import(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return not native.problem() and _material(context) is not None
+        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
@@ -75,8 +79,7 @@ class TOGISHI_OT_maps_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        material = _material(context)
-        return material is not None and material.togishi.lobes_image is not None
+        return allowed(cls, *_has_maps(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         map_images.clear(_material(context))

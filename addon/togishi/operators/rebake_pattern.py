@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
-
 import bpy
 
 from .. import blade_object, map_images, pattern_baking, properties
 from ..core import native
+from .poll import allowed
 
 
 class TOGISHI_OT_pattern_bake(bpy.types.Operator):
@@ -19,22 +18,20 @@ class TOGISHI_OT_pattern_bake(bpy.types.Operator):
 
     _timer: bpy.types.Timer | None = None
     _job: pattern_baking.PatternJob | None = None
-    _material: str = ""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if native.problem():
-            cls.poll_message_set(native.problem())
-            return False
         blade = blade_object.find_blade(context)
-        if (
-            blade is None
-            or not blade.togishi.katana_json
-            or blade_object.blade_material(blade) is None
-        ):
-            cls.poll_message_set("Needs a generated blade with a blade material")
-            return False
-        return True
+        material = blade_object.blade_material(blade)
+        generated = blade is not None and blade.togishi.katana_json and material is not None
+        return allowed(
+            cls,
+            (generated, "Needs a generated blade with a blade material"),
+            (
+                material is None or not pattern_baking.is_running(material),
+                "This pattern is being baked. Esc in the 3-D view cancels it",
+            ),
+        )
 
     def _targets(self, context: bpy.types.Context) -> tuple[bpy.types.Material, dict[str, object]]:
         blade = blade_object.find_blade(context)
@@ -60,7 +57,6 @@ class TOGISHI_OT_pattern_bake(bpy.types.Operator):
         if bpy.app.background:
             return self.execute(context)
         material, parameters = self._targets(context)
-        self._material = material.name
         self._job = pattern_baking.PatternJob(material, parameters)
         self._job.start()
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
@@ -69,28 +65,26 @@ class TOGISHI_OT_pattern_bake(bpy.types.Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         assert self._job is not None
-        if event.type == "ESC":
-            # The thread ends by itself; its result is not taken.
+        if event.type == "ESC" and event.value == "PRESS":
             self._finish(context)
             self.report({"INFO"}, "Baking was cancelled; the maps are as they were")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         if not self._job.done:
-            seconds = time.monotonic() - self._job.started_s
             context.workspace.status_text_set(
-                f"Togishi bakes the steel pattern: {seconds:.0f} s. Esc cancels"
+                f"Togishi bakes the steel pattern: {self._job.share:.0%}. Esc cancels"
             )
-            return {"RUNNING_MODAL"}
+            # Other timers' events pass: an animation goes on playing.
+            return {"PASS_THROUGH"}
+        job = self._job
         self._finish(context)
-        material = bpy.data.materials.get(self._material)
+        material = next((m for m in bpy.data.materials if m.session_uid == job.material_uid), None)
         if material is None:
-            self.report(
-                {"WARNING"}, f"Material {self._material!r} is gone; its maps were not written"
-            )
+            self.report({"WARNING"}, "The blade's material is gone; its maps were not written")
             return {"CANCELLED"}
         try:
-            map_images.assign(material, self._job.result())
+            map_images.assign(material, job.result())
         except native.core().InputError as error:
             return self._fail(error)
         return {"FINISHED"}
@@ -99,9 +93,14 @@ class TOGISHI_OT_pattern_bake(bpy.types.Operator):
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None
-        context.workspace.status_text_set(None)
+        if self._job is not None:
+            self._job.cancel()
+            self._job = None
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
 
     def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends it: another file is loaded, or the window closes."""
         self._finish(context)
 
 

@@ -15,12 +15,19 @@ _FIELD = {
 }
 
 
-def draw_spectrum(layout: bpy.types.UILayout, settings: properties.TogishiSpectrum) -> None:
+def draw_spectrum(
+    layout: bpy.types.UILayout, settings: properties.TogishiSpectrum, in_use: str
+) -> None:
+    """in_use: the spectrum that the choice comes to, shown where the choice does not say it."""
     layout.use_property_split = True
     layout.prop(settings, "choice")
     field = _FIELD.get(settings.kind)
     if field is not None:
         layout.prop(settings, field)
+    if settings.kind == spectrum_spec.CSV and not settings.csv_path:
+        layout.label(text=f"No file is chosen: {in_use} is used", icon="ERROR")
+    elif settings.kind == spectrum_spec.AUTOMATIC:
+        layout.label(text=f"{in_use} is used", icon="INFO")
 
 
 class TOGISHI_PT_light(bpy.types.Panel):
@@ -35,9 +42,7 @@ class TOGISHI_PT_light(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        draw_spectrum(layout, context.light.togishi)
-        if context.light.togishi.kind == spectrum_spec.AUTOMATIC:
-            layout.label(text=f"Now {properties.light_spectrum(context.light)}", icon="INFO")
+        draw_spectrum(layout, context.light.togishi, properties.light_spectrum(context.light))
         if context.light.type == "AREA":
             layout.label(text="Togishi draws it as a point light", icon="ERROR")
 
@@ -53,7 +58,7 @@ class TOGISHI_PT_world(bpy.types.Panel):
         return not native.problem() and context.world is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        draw_spectrum(self.layout, context.world.togishi)
+        draw_spectrum(self.layout, context.world.togishi, properties.world_spectrum(context.world))
 
 
 CLASSES = (TOGISHI_PT_light, TOGISHI_PT_world)

@@ -61,7 +61,7 @@ def draw_maps(layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
     row = layout.row(align=True)
     row.operator("material.togishi_maps_import", text="Import…")
     row.operator("material.togishi_maps_export", text="Export…")
-    row.operator("material.togishi_maps_clear", text="Remove", icon="X")
+    row.operator("material.togishi_maps_clear", text="", icon="X")
 
 
 def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None:

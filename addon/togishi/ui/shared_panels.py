@@ -9,8 +9,17 @@ ENGINE = "TOGISHI"
 # Panels that show settings which our engine does not honour.
 EXCLUDED = {
     "DATA_PT_area",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
     "DATA_PT_falloff_curve",
+    "DATA_PT_light",  # DATA_PT_EEVEE_light begins with the same row
+    "DATA_PT_lightprobe",
+    "DATA_PT_lightprobe_display",
+    "DATA_PT_lightprobe_parallax",
+    "DATA_PT_lightprobe_visibility",
+    "DATA_PT_preview",
     "DATA_PT_volumes",
+    "EEVEE_MATERIAL_PT_viewport_settings",
     "MATERIAL_PT_preview",
     "RENDER_PT_eevee_film",
     "RENDER_PT_eevee_hair",
@@ -28,17 +37,16 @@ EXCLUDED = {
 
 
 def _panels() -> list[type]:
-    """Blender's panels that engines without panels of their own use: those that name Workbench or, for lights
-    and worlds, EEVEE, and are not about an effect of that engine."""
+    """Blender's panels for engines without panels of their own, which name BLENDER_RENDER to this day, and those of
+    EEVEE for lights, worlds and material slots. What names Workbench or EEVEE alone is about those engines."""
     found = []
     for cls in bpy.types.Panel.__subclasses__():
         engines = getattr(cls, "COMPAT_ENGINES", None)
         if not engines or cls.__name__ in EXCLUDED or "togishi" in cls.__module__:
             continue
-        common = {"BLENDER_RENDER", "BLENDER_WORKBENCH"} & set(engines)
+        common = "BLENDER_RENDER" in engines
         light = cls.__name__ in {
             "DATA_PT_EEVEE_light",
-            "DATA_PT_light",
             "DATA_PT_spot",
             "DATA_PT_custom_props_light",
             "EEVEE_WORLD_PT_surface",

@@ -30,6 +30,7 @@ class TOGISHI_PT_view_blade(_ViewPanel, bpy.types.Panel):
         layout.operator("mesh.togishi_katana_add", text="Add Katana", icon="ADD")
         if blade is None:
             layout.operator("object.togishi_material_assign", icon="MATERIAL")
+            layout.label(text="No blade in this scene yet", icon="INFO")
             return
         layout.label(text=blade.name, icon="OBJECT_DATA")
         if blade.togishi.katana_json:
@@ -84,9 +85,11 @@ class TOGISHI_PT_view_lights(_ViewPanel, bpy.types.Panel):
         if active is not None and active.type == "LIGHT":
             layout.separator()
             layout.label(text=active.name, icon="LIGHT_DATA")
-            draw_spectrum(layout, active.data.togishi)
-            layout.prop(active.data, "energy", text="Power")
-            layout.label(text=f"Spectrum {properties.light_spectrum(active.data)}")
+            draw_spectrum(layout, active.data.togishi, properties.light_spectrum(active.data))
+            # A sun has an irradiance, in W/m², where other lamps have a power.
+            layout.prop(
+                active.data, "energy", text="Strength" if active.data.type == "SUN" else "Power"
+            )
 
 
 class TOGISHI_PT_view_nodes(_BladePanel, bpy.types.Panel):

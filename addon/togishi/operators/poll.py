@@ -1,0 +1,19 @@
+"""Why an operator cannot run now: Blender shows the sentence in the tooltip of the greyed-out button."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..core import native
+
+NEEDS_BLADE_MATERIAL = "Needs an object with a blade material; 'Assign Blade Material' gives one"
+NEEDS_OBJECT_MODE = "Works in Object Mode only"
+
+
+def allowed(cls: type[bpy.types.Operator], *conditions: tuple[object, str]) -> bool:
+    """Whether the native module works and every condition holds; the first that does not has its sentence shown."""
+    for holds, sentence in ((not native.problem(), native.problem()), *conditions):
+        if not holds:
+            cls.poll_message_set(sentence)
+            return False
+    return True

@@ -1,0 +1,210 @@
+"""Pictures of all that Togishi shows in a window, for people to look at: panels as they first appear and opened,
+the redo panel, dialogs, the menu entry, the preferences, a tooltip.
+
+    blender --factory-startup --enable-event-simulate --python pictures.py -- --zip Z --out DIR --console FILE
+The window should be tall, so that long panels fit.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import traceback
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import bpy
+import screen
+from console import Console, options
+from screen import Steps
+
+EXTENSION = "bl_ext.user_default.togishi"
+OPTIONS = options()
+
+
+def open_all_panels() -> None:
+    """As if each had been clicked open. Blender keeps a panel's state by its name, so they get others."""
+    ui = importlib.import_module(f"{EXTENSION}.ui")
+    ui.unregister()
+    for module in ui._MODULES:
+        for cls in module.CLASSES:
+            cls.bl_options = set(getattr(cls, "bl_options", set())) - {"DEFAULT_CLOSED"}
+            cls.bl_idname = f"{cls.__name__}_open"
+            if hasattr(cls, "bl_parent_id"):
+                cls.bl_parent_id = f"{cls.bl_parent_id.removesuffix('_open')}_open"
+    ui.register()
+
+
+def view() -> bpy.types.Area:
+    return screen.areas("VIEW_3D")[0]
+
+
+def settle(seconds: float = 0.7) -> Steps:
+    for area in screen.window().screen.areas:
+        area.tag_redraw()
+    yield seconds
+
+
+def properties_tab(shots: screen.Shots, tab: str, name: str) -> Steps:
+    area = screen.areas("PROPERTIES")[0]
+    try:
+        area.spaces.active.context = tab
+    except TypeError:
+        print(f"no tab {tab} here")
+        return
+    yield from settle()
+    yield from shots.area(area, name)
+
+
+def pictures() -> Steps:
+    bpy.ops.extensions.package_install_files(
+        filepath=str(OPTIONS.zip), repo="user_default", enable_on_install=True
+    )
+    shots = screen.Shots(OPTIONS.out)
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    yield 0.3
+    area = view()
+    with screen.override(area):
+        bpy.ops.wm.call_menu("INVOKE_DEFAULT", name="VIEW3D_MT_mesh_add")
+    yield from settle(0.5)
+    yield from shots.everything("add_menu")
+    yield from screen.press("ESC", screen.centre(area))
+
+    space = view().spaces.active
+    space.show_region_ui = True
+    yield from settle(0.6)
+    screen.region_of(view(), "UI").active_panel_category = "Togishi"
+    yield from settle()
+    yield from shots.everything("empty_scene")
+
+    with screen.override(view()):
+        bpy.ops.mesh.togishi_katana_add("INVOKE_DEFAULT", True)
+    yield from settle(0.8)
+    yield from shots.everything("added_katana")
+    hud = screen.region_of(view(), "HUD")
+    print("HUD region", hud.x, hud.y, hud.width, hud.height)
+    if hud.height > 1:
+        yield from screen.press("LEFTMOUSE", (hud.x + 40, hud.y + hud.height - 12))
+        yield from settle(0.8)
+        yield from shots.everything("redo_panel")
+        yield from screen.press("LEFTMOUSE", (hud.x + 40, hud.y + hud.height - 12))
+
+    scene = bpy.context.scene
+    scene.render.engine = "TOGISHI"
+    blade = bpy.context.active_object
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.4, 1.5, 0.0), (1.5708, 0.0, 3.14159)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    with screen.override(view()):
+        bpy.ops.object.togishi_light_preset(preset="MUSEUM_SPOT")
+    bpy.context.view_layer.objects.active = blade
+    blade.select_set(True)
+    view().spaces.active.shading.type = "RENDERED"
+    with screen.override(view()):
+        bpy.ops.view3d.view_axis(type="BACK")
+        bpy.ops.view3d.view_selected()
+    yield from settle(3.0)
+    yield from shots.everything("viewport")
+
+    view().spaces.active.shading.type = "SOLID"  # quicker
+    with screen.override(screen.areas("OUTLINER")[0]):
+        bpy.ops.screen.area_close()
+    yield from settle()
+
+    # The tab beside the view: as it first appears, and with everything open.
+    yield from shots.region(screen.region_of(view(), "UI"), "sidebar_first", [], keep=True)
+    for tab in ("RENDER", "OUTPUT", "VIEW_LAYER", "SCENE", "WORLD", "OBJECT", "DATA", "MATERIAL"):
+        yield from properties_tab(shots, tab, f"first_{tab.lower()}")
+    for tab in ("PARTICLES", "PHYSICS", "CONSTRAINT", "MODIFIER"):
+        yield from properties_tab(shots, tab, f"first_{tab.lower()}")
+
+    # Properties as tall as the window, all our panels open.
+    open_all_panels()
+    yield from settle(0.5)
+    yield from shots.region(screen.region_of(view(), "UI"), "sidebar_open", [], keep=True)
+    for tab in ("RENDER", "VIEW_LAYER", "WORLD", "MATERIAL"):
+        yield from properties_tab(shots, tab, f"open_{tab.lower()}")
+    with screen.override(view()):
+        bpy.ops.material.togishi_nodes_connect(spectrum="A")
+    blade.active_material.togishi.weights = "measured"
+    blade.active_material.togishi.metal_choice = "file"
+    yield from properties_tab(shots, "MATERIAL", "open_material_measured")
+    blade.active_material.togishi.weights = "normalised"
+    blade.active_material.togishi.metal_choice = "iron_johnson_christy"
+
+    light = next(obj for obj in scene.objects if obj.type == "LIGHT")
+    bpy.context.view_layer.objects.active = light
+    for choice in ("D65", "blackbody", "line", "csv"):
+        light.data.togishi.choice = choice
+        yield from properties_tab(shots, "DATA", f"light_{choice.lower()}")
+    yield from shots.region(screen.region_of(view(), "UI"), "sidebar_light", [], keep=True)
+    light.data.togishi.choice = "automatic"
+    for kind in ("POINT", "SUN", "AREA"):
+        light.data.type = kind
+        yield from properties_tab(shots, "DATA", f"light_{kind.lower()}")
+    light.data.type = "SPOT"
+    bpy.context.view_layer.objects.active = camera
+    yield from properties_tab(shots, "DATA", "camera")
+    bpy.context.view_layer.objects.active = blade
+
+    # A bake under way, and dialogs.
+    with screen.override(view()):
+        bpy.ops.material.togishi_pattern_bake("INVOKE_DEFAULT")
+    yield 0.6
+    yield from shots.everything("baking")
+    yield from screen.press("ESC", screen.centre(view()))
+    yield from settle(0.5)
+    screen.window().event_simulate(
+        type="MOUSEMOVE", value="NOTHING", x=screen.window().width // 2, y=700
+    )
+    yield 0.2
+    with screen.override(view()):
+        bpy.ops.object.togishi_katana_edit("INVOKE_DEFAULT")
+    yield from settle(0.8)
+    yield from shots.everything("edit_dialog")
+    yield from screen.press("ESC", screen.centre(view()))
+
+    # A tooltip: the mouse rests on a setting of the sidebar.
+    region = screen.region_of(view(), "UI")
+    at = (region.x + region.width // 2, region.y + region.height - 230)
+    screen.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0], y=at[1])
+    yield 0.1
+    screen.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0] + 2, y=at[1])
+    yield 2.0
+    yield from shots.everything("tooltip")
+
+    # Preferences, in the place of the view.
+    area = view()
+    area.type = "PREFERENCES"
+    bpy.context.preferences.active_section = "ADDONS"
+    bpy.context.window_manager.addon_search = "Togishi"
+    yield from settle()
+    with screen.override(area):
+        bpy.ops.preferences.addon_expand(module=EXTENSION)
+    yield from settle(0.8)
+    yield from shots.area(area, "preferences")
+    area.type = "VIEW_3D"
+    yield from settle(1.0)
+
+
+def main() -> None:
+    console = Console(OPTIONS.console)
+
+    def ended(error: BaseException | None) -> None:
+        if error is not None:
+            traceback.print_exception(error)
+        found = console.new_problems()
+        if error is not None or found:
+            print("\n".join(found))
+            sys.stdout.flush()
+            os._exit(1)
+        bpy.ops.wm.quit_blender()
+
+    screen.run_in_window(pictures(), ended)
+
+
+main()
