@@ -15,12 +15,14 @@ class Needs:
 
 
 def needs(library: Path) -> Needs:
-    """Raises subprocess.CalledProcessError where `library` is no ELF file."""
+    """Raises ValueError, with what readelf says, where `library` cannot be read as one."""
 
     def readelf(option: str) -> str:
-        done = subprocess.run(
-            ["readelf", "--wide", option, str(library)], capture_output=True, text=True, check=True
-        )
+        command = ["readelf", "--wide", option, str(library)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        # readelf returns 0 for some files that it cannot read.
+        if done.returncode != 0 or done.stderr:
+            raise ValueError(f"{library} is no shared library: {done.stderr.strip()}")
         return done.stdout
 
     versions = re.findall(r"Name: GLIBC_(\d+)\.(\d+)", readelf("--version-info"))

@@ -22,7 +22,7 @@ from pathlib import Path
 from compile_module import ALLOWED_LIBRARIES, GLIBC, CompileError, Toolchain, compile_module
 from elf import needs
 from extension import MANIFEST, ExtensionError, blender_validators, validate, write_extension
-from wheel import WheelError, write_wheel
+from wheel import write_wheel
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -154,7 +154,7 @@ def main() -> int:
     options = parser.parse_args()
     try:
         print(make(options))
-    except (CompileError, ExtensionError, WheelError, OSError) as error:
+    except (CompileError, ValueError, OSError) as error:
         print(f"\033[1m[togishi] no package was made: {error}\033[0m", file=sys.stderr)
         return 1
     return 0

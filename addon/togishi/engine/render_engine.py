@@ -54,13 +54,13 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         reason = native.problem() or graphics.problem()
         if reason:
-            self.error_set(reason)
+            self._fail(reason)
             return
         scene = depsgraph.scene_eval
         settings = getattr(scene, "togishi", None)
         camera = self.camera_override or scene.camera
         if camera is None:
-            self.error_set(f"Scene {scene.name!r} has no camera.")
+            self._fail(f"Scene {scene.name!r} has no camera.")
             return
         layer = depsgraph.view_layer_eval
         want_depth = layer.use_pass_z or getattr(settings, "use_pass_depth", False)
@@ -84,8 +84,11 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
                 progress=self._progress,
             )
         except (ShaderError, native.CoreMissingError, ValueError) as error:
-            self.error_set(str(error))
+            self._fail(str(error))
             return
+        except Exception as error:
+            self._fail(f"The engine Togishi failed: {error!r}; the console says where.")
+            raise
         self._tell(renderer.problems)
         if picture is None:
             return
@@ -104,6 +107,11 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
     def _progress(self, share: float) -> bool:
         self.update_progress(share)
         return not self.test_break()
+
+    def _fail(self, reason: str) -> None:
+        """Shown in the render window; and reported, without which Blender calls a black picture finished."""
+        self.error_set(reason)
+        self.report({"ERROR"}, reason)
 
     def _tell(self, messages: list[str]) -> None:
         # A preview's scene is Blender's own: its lights are nothing the user could change.
