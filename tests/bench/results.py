@@ -30,6 +30,7 @@ AREAS: Mapping[str, Sequence[Path]] = {
     "accuracy": [BENCH / "accuracy_spectral.py", BENCH / "accuracy_gpu.py"],
     "viewport": [BENCH / "viewport.py"],
     "scale": [BENCH / "scale.py"],
+    "package": [BENCH / "package.py"],
 }
 """Area -> its measuring commands (bench_rows.py says what they write). Ids of rows begin with the area."""
 

@@ -58,6 +58,22 @@ class CleanBlender:
         """Runs in_blender/<script>.py in a process of its own. path: more folders to import from."""
         report = self.folder / "report.json"
         report.unlink(missing_ok=True)
+        output = self.folder / "output.txt"
+        code = self.process(
+            HERE / f"in_blender/{script}.py", report, *arguments, path=path, output=output
+        )
+        values = json.loads(report.read_text()) if report.is_file() else {}
+        return Answer(values, code, output.read_text(errors="replace"))
+
+    def process(
+        self,
+        script: Path,
+        *arguments: object,
+        output: Path,
+        path: tuple[Path, ...] = (),
+        timeout_s: float = 200.0,
+    ) -> int:
+        """Runs a script with this version's bpy, both its streams into `output`; returns its exit code."""
         self.user.mkdir(parents=True, exist_ok=True)
         environment = {
             "PATH": os.environ["PATH"],
@@ -67,19 +83,18 @@ class CleanBlender:
             **self.environment,
         }
         # -S: the environment's own site-packages, which has our module, is not looked at.
-        command = [self.row.interpreter, "-S", HERE / f"in_blender/{script}.py", report, *arguments]
-        done = subprocess.run(
-            [str(part) for part in command],
-            env=environment,
-            cwd=self.folder,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=200,
-            check=False,
-        )
-        values = json.loads(report.read_text()) if report.is_file() else {}
-        return Answer(values, done.returncode, done.stdout)
+        command = [self.row.interpreter, "-S", script, *arguments]
+        with output.open("wb") as stream:
+            done = subprocess.run(
+                [str(part) for part in command],
+                env=environment,
+                cwd=self.folder,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                timeout=timeout_s,
+                check=False,
+            )
+        return done.returncode
 
     def _modules(self) -> Path:
         """The environment's modules but ours, as links."""
