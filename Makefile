@@ -10,7 +10,7 @@ CORE_SOURCES := $(shell find cpp_core shaders data cmake -type f 2>/dev/null) CM
 SAY := . tools/say.sh; say
 
 .PHONY: help setup setup-5.2 build core core-5.2 demo test test-cpp test-python test-blender-5.2 test-package test-window package \
-        docs-pictures results docs-pictures lint sanitize format clean
+        docs-pictures results lint sanitize format clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9.-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 20
@@ -93,9 +93,6 @@ package: setup ## the extension to give away, into dist (PYTHONS="3.11 3.13"; CO
 
 docs-pictures: core ## the user guide's pictures from this build (and panels from out/window); look at them before a commit
 	@$(SAY) "rendering the guide's pictures into docs/guide/pictures"
-	@PYTHONPATH=addon $(PY) blend_files/docs_pictures.py
-
-docs-pictures: core ## the user guide's pictures again, by the current build
 	@PYTHONPATH=addon $(PY) blend_files/docs_pictures.py
 
 AREA ?=
