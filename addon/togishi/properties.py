@@ -29,7 +29,7 @@ from bpy.props import (
 )
 
 from . import blender_versions
-from .core import fit_apply, native, spectrum_spec
+from .core import native, spectrum_spec
 
 MATERIAL_FORMAT = 1
 
@@ -402,12 +402,6 @@ class TogishiMaterial(bpy.types.PropertyGroup):
         default="normalised",
         update=_edited,
     )
-    fit_json: StringProperty(
-        name="Fits",
-        description="Records of the goniometer fits behind ji and ha, as JSON",
-        default="",
-        options={"HIDDEN"},
-    )
     ji: _lobe_pointer("Ji")
     shinogi_ji: _lobe_pointer("Shinogi-ji")
     mune: _lobe_pointer("Mune")
@@ -622,7 +616,7 @@ def material_dict(material: bpy.types.Material) -> dict[str, Any]:
         float(spectrum_spec.number(channel)) for channel in settings.nakago_albedo
     ]
     parts["nakago"]["ior"] = float(spectrum_spec.number(settings.nakago_ior))
-    values = {
+    return {
         "format": MATERIAL_FORMAT,
         "name": settings.title or material.name,
         "metal": metal_spec(material),
@@ -631,11 +625,6 @@ def material_dict(material: bpy.types.Material) -> dict[str, Any]:
         "licence": settings.licence,
         "parts": parts,
     }
-    if settings.fit_json:
-        fits = fit_apply.records_that_hold(json.loads(settings.fit_json), parts)
-        if fits:
-            values["fit"] = fits
-    return values
 
 
 def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> None:
@@ -652,7 +641,6 @@ def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> N
             settings.metal = FILE_CHOICE
             settings.metal_path = values["metal"]
         settings.weights = values["weights"]
-        settings.fit_json = json.dumps(values["fit"]) if values.get("fit") else ""
         for name, _label, constant in LOBE_PARTS:
             lobe, part = getattr(settings, name), values["parts"][name]
             lobe.mu_t_deg = part["mu_t_deg"]
