@@ -205,7 +205,9 @@ def python_texts() -> tuple[set[str], set[str]]:
             if text is not None:
                 every.add(text)
                 parts = text.split(VARIABLE)
-                if len(parts) > 1 and any(len(re.findall(r"[^\W\d]+", part)) >= 3 for part in parts):
+                if len(parts) > 1 and any(
+                    len(re.findall(r"[^\W\d]+", part)) >= 3 for part in parts
+                ):
                     sentences.add(text)
             # Why an operator cannot run: (condition, sentence) for operators/poll.py, and the sentences with a name there.
             if isinstance(node, ast.Tuple) and len(node.elts) == 2:
