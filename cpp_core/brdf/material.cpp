@@ -1,120 +1,29 @@
 #include "brdf/material.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <optional>
-#include <set>
-#include <sstream>
 #include <system_error>
 
-#define TOML_EXCEPTIONS 1
-#define TOML_HEADER_ONLY 1
-#include <toml++/toml.h>
-
 #include "base/error.hpp"
+#include "brdf/fit_record_toml.hpp"
+#include "brdf/toml_reader.hpp"
 #include "spectral/embedded_data.hpp"
 #include "spectral/metal.hpp"
 
 namespace togishi {
 namespace {
 
+using material_file::number_text;
+using material_file::quoted;
+using material_file::Reader;
+using material_file::Source;
+using material_file::text_of;
+
 constexpr std::uintmax_t max_file_bytes = 1 << 20;
-
-std::string number_text(double value) {
-    std::array<char, 32> buffer{};
-    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-    std::string text(buffer.data(), end);
-    // TOML tells 1 from 1.0.
-    if (text.find_first_of(".einf") == std::string::npos) text += ".0";
-    return text;
-}
-
-std::string text_of(const toml::node& node) {
-    std::ostringstream out;
-    if (node.is_table()) return "a table";
-    if (node.is_array()) return "a list";
-    if (const auto number = node.value_exact<double>()) return number_text(*number);
-    node.visit([&](const auto& value) { out << value; });
-    std::string text = out.str();
-    constexpr std::size_t longest = 60;
-    if (text.size() > longest) text = text.substr(0, longest) + "...";
-    return text;
-}
-
-struct Source {
-    std::string where;
-    SourceLines lines;
-};
-
-// A table being read: takes its fields one by one, then refuses what is left over.
-class Reader {
-  public:
-    Reader(const toml::table& table, std::string prefix, const Source& source)
-        : table_(table), prefix_(std::move(prefix)), source_(source) {}
-
-    [[nodiscard]] const toml::node* find(std::string_view key) {
-        known_.insert(std::string(key));
-        return table_.get(key);
-    }
-    [[nodiscard]] const toml::node& require(std::string_view key, std::string_view allowed) {
-        const toml::node* node = find(key);
-        if (node == nullptr) fail(table_, key, "missing", allowed);
-        return *node;
-    }
-    [[nodiscard]] double number(std::string_view key, double least, double most,
-                                std::string_view allowed) {
-        const toml::node& node = require(key, allowed);
-        return checked_number(node, key, least, most, allowed);
-    }
-    [[nodiscard]] double checked_number(const toml::node& node, std::string_view key, double least,
-                                        double most, std::string_view allowed) const {
-        if (!node.is_number()) fail(node, key, text_of(node), allowed);
-        const auto value = node.value<double>();
-        // Written so that NaN is refused.
-        if (!value || !(*value >= least && *value <= most)) fail(node, key, text_of(node), allowed);
-        return *value;
-    }
-    [[nodiscard]] std::string text(std::string_view key, std::string_view allowed, bool optional) {
-        const toml::node* node = find(key);
-        if (node == nullptr && optional) return {};
-        if (node == nullptr) fail(table_, key, "missing", allowed);
-        const auto value = node->value_exact<std::string>();
-        if (!value) fail(*node, key, text_of(*node), allowed);
-        return *value;
-    }
-    [[nodiscard]] const toml::table& table(std::string_view key) {
-        const toml::node& node = require(key, "a table");
-        if (!node.is_table()) fail(node, key, text_of(node), "a table");
-        return *node.as_table();
-    }
-    void refuse_unknown() const {
-        for (const auto& [key, node] : table_) {
-            if (known_.contains(std::string(key.str()))) continue;
-            std::string allowed;
-            for (const auto& name : known_) allowed += (allowed.empty() ? "" : ", ") + name;
-            fail(node, key.str(), "unknown", allowed);
-        }
-    }
-    [[noreturn]] void fail(const toml::node& node, std::string_view key, std::string_view found,
-                           std::string_view allowed) const {
-        const auto line = node.source().begin.line;
-        const bool shown = source_.lines == SourceLines::shown && line > 0;
-        const std::string place =
-            shown ? source_.where + ":" + std::to_string(line) : source_.where;
-        throw InputError(place, prefix_ + std::string(key), found, allowed);
-    }
-
-  private:
-    const toml::table& table_;
-    std::string prefix_;
-    const Source& source_;
-    std::set<std::string> known_;
-};
 
 MaterialLobe read_lobe(Reader& reader, std::string_view weight_key, Weights weights) {
     MaterialLobe lobe;
@@ -193,28 +102,11 @@ Material read_material(const toml::table& table, const Source& where) {
         part.refuse_unknown();
     }
     parts.refuse_unknown();
+    if (reader.find("fit") != nullptr) {
+        material.fits = material_file::read_fit_records(reader.table("fit"), where);
+    }
     reader.refuse_unknown();
     return material;
-}
-
-// A TOML basic string. Our own: what the library prints for a text with quotes and line ends, it
-// does not read back.
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            out += '\\';
-            out += c;
-        } else if (code < 0x20 || code == 0x7f) {
-            std::array<char, 8> escape{};
-            std::snprintf(escape.data(), escape.size(), "\\u%04X", code);
-            out += escape.data();
-        } else {
-            out += c;
-        }
-    }
-    return out + "\"";
 }
 
 const EmbeddedFile* find_builtin(std::string_view name) {
@@ -265,6 +157,7 @@ std::string material_to_toml(const Material& material) {
             line(field.weight_key, number_text(lobe.weight));
         }
     }
+    for (const FitRecord& fit : material.fits) text += "\n" + material_file::fit_record_text(fit);
     return text;
 }
 

@@ -17,6 +17,8 @@
 // | ... beta             | number | > 0 to 1e8      | measured: ha, hadori |
 // | nakago.albedo_rgb    | list   | 3 x 0 to 1      | linear Rec.709 |
 // | nakago.ior           | number | 1 to 4          | of its gloss |
+// | fit.ji, fit.ha       | table  | may be missing  | how the part was measured
+// (brdf/fit_record.hpp) |
 #pragma once
 #include <array>
 #include <filesystem>

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "python/fit_dict.hpp"
 
 #define TOML_EXCEPTIONS 1
 #define TOML_HEADER_ONLY 1
@@ -42,6 +43,27 @@ double number_of(const std::string& field, const py::handle& value) {
     return number;
 }
 
+// Numbers; in the record of a fit also texts, dicts and lists of them.
+toml::array list_of(const std::string& field, const py::handle& value, int depth) {
+    constexpr int deepest = 4;
+    if (depth > deepest)
+        throw InputError("material", field, "lists in lists in lists", "fewer levels");
+    toml::array list;
+    for (const auto& item : value) {
+        if (py::isinstance<py::str>(item)) {
+            list.push_back(py::cast<std::string>(item));
+        } else if (PyMapping_Check(item.ptr()) != 0 && py::hasattr(item, "keys")) {
+            list.push_back(
+                table_of(field + ".", py::dict(py::reinterpret_borrow<py::object>(item))));
+        } else if (PySequence_Check(item.ptr()) != 0) {
+            list.push_back(list_of(field, item, depth + 1));
+        } else {
+            list.push_back(number_of(field, item));
+        }
+    }
+    return list;
+}
+
 void set(toml::table& table, const std::string& path, const std::string& key,
          const py::handle& value) {
     const std::string field = path + key;
@@ -59,9 +81,7 @@ void set(toml::table& table, const std::string& path, const std::string& key,
             throw InputError("material", field, std::string(py::str(value)), "a number of 64 bits");
         table.insert(key, static_cast<std::int64_t>(whole));
     } else if (PySequence_Check(value.ptr()) != 0) {
-        toml::array list;
-        for (const auto& item : value) list.push_back(number_of(field, item));
-        table.insert(key, std::move(list));
+        table.insert(key, list_of(field, value, 0));
     } else {
         table.insert(key, number_of(field, value));
     }
@@ -108,6 +128,12 @@ py::dict dict_from_material(const Material& material) {
         parts[py::str(std::string(field.key))] = part;
     }
     dict["parts"] = parts;
+    if (!material.fits.empty()) {
+        py::dict fits;
+        for (const FitRecord& fit : material.fits)
+            fits[py::str(fit.part)] = dict_from_fit_record(fit);
+        dict["fit"] = fits;
+    }
     return dict;
 }
 

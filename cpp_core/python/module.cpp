@@ -15,6 +15,8 @@ PYBIND11_MODULE(togishi_core, m) {
     togishi::bind_property_maps(m);
     togishi::bind_blade(m);
     togishi::bind_steel(m);
+    togishi::bind_fit(m);
+    togishi::bind_plot(m);
     togishi::bind_reference(m);
     togishi::bind_formulas(m);
 }

@@ -9,6 +9,8 @@ void bind_bake(pybind11::module_& m);
 void bind_property_maps(pybind11::module_& m);
 void bind_blade(pybind11::module_& m);
 void bind_steel(pybind11::module_& m);
+void bind_fit(pybind11::module_& m);
+void bind_plot(pybind11::module_& m);
 void bind_reference(pybind11::module_& m);
 void bind_formulas(pybind11::module_& m);
 

@@ -263,6 +263,11 @@ def fit_scans(
     """Fits the model to all scans of a set jointly. progress: called with the share done, in [0, 1]; what it raises
     passes through, and returning False cancels with InterruptedError."""
 
+def fit_pictures(fit: Fit, scale: float = 1.0) -> dict[str, NDArray[np.uint8]]:
+    """What was measured beside what the fitted model says, for people: (H, W, 3) in 8-bit sRGB, the top row first.
+    "scans": intensity against receive angle with residuals, a panel for each scan (at most 24); "mu_eff": half width
+    against the turn of the sample, polar. scale: 0.25 to 4 times 1600 and 1000 pixels across."""
+
 def material_from_fits(
     fits: list[Fit], base: Mapping[str, Any] | None = None, name: str = ""
 ) -> dict[str, Any]:
