@@ -15,6 +15,7 @@ from types import ModuleType
 # native module and without a GPU context.
 _MODULE_NAMES = (
     "properties",
+    "measurement",
     "engine",
     "nodes",
     "operators",

@@ -29,7 +29,7 @@ from bpy.props import (
 )
 
 from . import blender_versions
-from .core import native, spectrum_spec
+from .core import fit_apply, native, spectrum_spec
 
 MATERIAL_FORMAT = 1
 
@@ -402,6 +402,12 @@ class TogishiMaterial(bpy.types.PropertyGroup):
         default="normalised",
         update=_edited,
     )
+    fit_json: StringProperty(
+        name="Fits",
+        description="Records of the goniometer fits behind ji and ha, as JSON",
+        default="",
+        options={"HIDDEN"},
+    )
     ji: _lobe_pointer("Ji")
     shinogi_ji: _lobe_pointer("Shinogi-ji")
     mune: _lobe_pointer("Mune")
@@ -603,8 +609,9 @@ def lobe_dict(lobe: TogishiLobe) -> dict[str, float]:
     }
 
 
-def material_dict(material: bpy.types.Material) -> dict[str, Any]:
-    """The material in the schema of togishi_core.default_material()."""
+def material_dict(material: bpy.types.Material, with_fits: bool = False) -> dict[str, Any]:
+    """The material in the schema of togishi_core.default_material(); where asked for, with the records of the fits
+    behind it."""
     settings = material.togishi
     parts: dict[str, dict[str, Any]] = {}
     for name, _label, constant in LOBE_PARTS:
@@ -616,7 +623,7 @@ def material_dict(material: bpy.types.Material) -> dict[str, Any]:
         float(spectrum_spec.number(channel)) for channel in settings.nakago_albedo
     ]
     parts["nakago"]["ior"] = float(spectrum_spec.number(settings.nakago_ior))
-    return {
+    values = {
         "format": MATERIAL_FORMAT,
         "name": settings.title or material.name,
         "metal": metal_spec(material),
@@ -625,6 +632,11 @@ def material_dict(material: bpy.types.Material) -> dict[str, Any]:
         "licence": settings.licence,
         "parts": parts,
     }
+    if with_fits and settings.fit_json:
+        fits = fit_apply.records_that_hold(json.loads(settings.fit_json), parts)
+        if fits:
+            values["fit"] = fits
+    return values
 
 
 def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> None:
@@ -641,6 +653,7 @@ def set_material_dict(material: bpy.types.Material, values: dict[str, Any]) -> N
             settings.metal = FILE_CHOICE
             settings.metal_path = values["metal"]
         settings.weights = values["weights"]
+        settings.fit_json = json.dumps(values["fit"]) if values.get("fit") else ""
         for name, _label, constant in LOBE_PARTS:
             lobe, part = getattr(settings, name), values["parts"][name]
             lobe.mu_t_deg = part["mu_t_deg"]

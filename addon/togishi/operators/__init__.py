@@ -5,11 +5,26 @@ from __future__ import annotations
 import bpy
 
 from .. import pattern_baking
-from . import add_katana, blade_material, connect_nodes, light_preset, map_files, rebake_pattern
+from . import (
+    add_katana,
+    blade_material,
+    connect_nodes,
+    fit_measurement,
+    light_preset,
+    map_files,
+    rebake_pattern,
+)
 
 _CLASSES = tuple(
     cls
-    for module in (blade_material, rebake_pattern, map_files, light_preset, connect_nodes)
+    for module in (
+        blade_material,
+        rebake_pattern,
+        map_files,
+        light_preset,
+        connect_nodes,
+        fit_measurement,
+    )
     for cls in module.CLASSES
 )
 

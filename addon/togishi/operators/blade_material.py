@@ -120,7 +120,9 @@ class TOGISHI_OT_material_save(bpy.types.Operator, ExportHelper):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            text = native.core().material_to_toml(properties.material_dict(_material(context)))
+            text = native.core().material_to_toml(
+                properties.material_dict(_material(context), with_fits=True)
+            )
             atomic.write_text(Path(self.filepath), text)
         except (native.core().InputError, OSError) as error:
             self.report({"ERROR"}, f"Nothing was saved: {error}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import (
+    fit_panels,
     light_panels,
     material_panels,
     native_panels,
@@ -13,7 +14,7 @@ from . import (
     view_panels,
 )
 
-_MODULES = (native_panels, material_panels, light_panels, render_panels, view_panels)
+_MODULES = (native_panels, material_panels, light_panels, render_panels, view_panels, fit_panels)
 
 
 def register() -> None:
