@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Installs what apt.txt lists and is missing. Quick where nothing is.
+# setup_debian.sh [FILE]: installs what FILE (apt.txt) lists and is missing. Quick where nothing is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tools/say.sh
 
-mapfile -t wanted < <(sed 's/#.*//' apt.txt | xargs -n1)
+mapfile -t wanted < <(sed 's/#.*//' "${1:-apt.txt}" | xargs -n1)
 missing=()
 for package in "${wanted[@]}"; do
     dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")

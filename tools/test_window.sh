@@ -22,14 +22,15 @@ work=$(mktemp -d)
 clean_up() {
     [ -z "$blender_pid" ] || kill "$blender_pid" 2>/dev/null || true
     [ -z "$screen_pid" ] || kill "$screen_pid" 2>/dev/null || true
-    rm -rf "$work" "$shots"
+    rm -rf "$work"
 }
 trap clean_up EXIT
 trap 'exit 130' INT TERM HUP
 
+tools/setup_debian.sh apt-window.txt
 for program in mmdebstrap:mmdebstrap bwrap:bubblewrap Xvfb:xvfb xwd:x11-apps convert:imagemagick; do
     command -v "${program%%:*}" >/dev/null ||
-        fail "'${program%%:*}' is missing: 'tools/setup_debian.sh apt-window.txt' installs it (Debian package ${program##*:})."
+        fail "'${program%%:*}' is missing: install ${program##*:} (apt-window.txt lists all that the window needs), then run again."
 done
 
 if [ ! -d "$root" ]; then
@@ -43,13 +44,15 @@ if [ ! -d "$root" ]; then
     mv "$root.part" "$root"
 fi
 
-mkdir -p "$out" "$shots"
-rm -f "$shots"/*
+mkdir -p "$out"
+exec 9>"$out/.lock"
+flock -n 9 || fail "another test_window.sh works in $out: wait for it, or end it."
+rm -rf "$shots" && mkdir "$shots"
 
 start_screen() { # WIDTH HEIGHT: sets $display
     mkdir -p /tmp/.X11-unix
     : >"$work/display"
-    Xvfb -displayfd 3 -screen 0 "$1x$2x24" -nolisten tcp 3>"$work/display" 2>"$work/xvfb.log" &
+    Xvfb -displayfd 3 -screen 0 "$1x$2x24" -nolisten tcp 3>"$work/display" 2>"$work/xvfb.log" 9>&- &
     screen_pid=$!
     for _ in $(seq 100); do
         [ -s "$work/display" ] && break
@@ -105,7 +108,7 @@ in_window() {
     : >"$out/$name.log"
     inside timeout --kill-after=10 "$seconds" blender --factory-startup --enable-event-simulate --no-window-focus \
         --window-geometry 0 0 "$width" "$height" --python-exit-code 3 --python "/tmp/tests/window/$script" -- \
-        --zip /tmp/togishi.zip --out /tmp/out --console "/tmp/out/$name.log" >"$out/$name.log" 2>&1 &
+        --zip /tmp/togishi.zip --out /tmp/out --console "/tmp/out/$name.log" >"$out/$name.log" 2>&1 9>&- &
     blender_pid=$!
     take_shots "$blender_pid"
     wait "$blender_pid" || code=$?

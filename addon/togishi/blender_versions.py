@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 import numpy as np
 
@@ -62,14 +64,38 @@ def set_file_format(settings: bpy.types.ImageFormatSettings, identifier: str) ->
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if VERSION >= (4, 5, 0) else set()
 
 
+EXACT_NORMALS = "togishi_normal"
+_ROUNDED_COSINE = math.cos(math.radians(1.5))
+
+
 def set_corner_normals(mesh: bpy.types.Mesh, normals: np.ndarray) -> None:
     """Custom normals (C, 3), unit, per corner. From 4.5 they are kept as they are. Before, Blender keeps angles
-    in 16 bits and averages neighbours within .8 degrees, which is as much as a polished ji's lobe is wide."""
+    in 16 bits and averages neighbours within .8 degrees, which is as much as a polished ji's lobe is wide: there the
+    exact ones are kept beside them, for our engine (corner_normals)."""
     if VERSION >= (4, 5, 0):
         attribute = mesh.attributes.new("custom_normal", "FLOAT_VECTOR", "CORNER")
         attribute.data.foreach_set("vector", np.ascontiguousarray(normals, np.float32).reshape(-1))
     else:
         mesh.normals_split_custom_set(normals)
+        exact = mesh.attributes.new(EXACT_NORMALS, "FLOAT_VECTOR", "CORNER")
+        exact.data.foreach_set("vector", np.ascontiguousarray(normals, np.float32).reshape(-1))
+
+
+def corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Normals (C, 3) of an evaluated mesh: Blender's, or the exact ones beside them where they still belong to the
+    shape, that is, where they lie no further off than Blender rounds."""
+    count = len(mesh.loops)
+    normals = np.empty(count * 3, np.float32)
+    mesh.corner_normals.foreach_get("vector", normals)
+    normals = normals.reshape(-1, 3)
+    kept = mesh.attributes.get(EXACT_NORMALS)
+    if kept is None or kept.domain != "CORNER" or kept.data_type != "FLOAT_VECTOR":
+        return normals
+    exact = np.empty(count * 3, np.float32)
+    kept.data.foreach_get("vector", exact)
+    exact = exact.reshape(-1, 3)
+    near = (exact * normals).sum(axis=1) > _ROUNDED_COSINE
+    return np.where(near[:, None], exact, normals)
 
 
 def action_curves(owner: bpy.types.ID) -> list[bpy.types.FCurve]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from .. import blender_versions
 from ..core.packing import build_mesh
 from ..core.scene_data import MeshData
 
@@ -42,9 +43,7 @@ def read_mesh(mesh: bpy.types.Mesh, blade_slots: frozenset[int]) -> MeshData:
             -1, 3
         ),
         triangle_face=_read(mesh.loop_triangles, "polygon_index", triangle_count, np.int32),
-        corner_normal=_read(mesh.corner_normals, "vector", corner_count * 3, np.float32).reshape(
-            -1, 3
-        ),
+        corner_normal=blender_versions.corner_normals(mesh),
         face_part=_attribute(mesh, "togishi_part", "FACE", "INT", "value", 1, np.int32),
         face_slot=_attribute(mesh, "material_index", "FACE", "INT", "value", 1, np.int32),
         corner_uv=None
