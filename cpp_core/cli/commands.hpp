@@ -13,5 +13,7 @@ void add_spectrum_command(CLI::App& app, const Common& common);
 void add_info_command(CLI::App& app, const Common& common);
 void add_katana_command(CLI::App& app, const Common& common);
 void add_bake_command(CLI::App& app, const Common& common);
+void add_fit_command(CLI::App& app, const Common& common);
+void add_simulate_scan_command(CLI::App& app, const Common& common);
 
 }  // namespace togishi::cli

@@ -25,6 +25,8 @@ int run(int argc, char** argv) {
     togishi::cli::add_info_command(app, common);
     togishi::cli::add_katana_command(app, common);
     togishi::cli::add_bake_command(app, common);
+    togishi::cli::add_fit_command(app, common);
+    togishi::cli::add_simulate_scan_command(app, common);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
