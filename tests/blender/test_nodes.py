@@ -8,7 +8,7 @@ import bpy
 import lobe_probe
 import numpy as np
 import pytest
-from ui_fixtures import addon  # noqa: F401
+from ui_fixtures import add_katana, addon  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -225,3 +225,22 @@ def test_eevee_stretches_the_highlight_along_the_wide_axis(tmp_path):
     # At 6 degrees: half of the peak along the wide axis, 3 mu off it across (GGX has long tails).
     assert 0.25 < along[2] / peak < 0.75
     assert across[2] / peak < 0.2
+
+
+def test_a_renamed_and_a_copied_material_keep_groups_of_their_own(addon):  # noqa: F811
+    """Neither is left with what the first one looked like."""
+    first = add_katana().active_material
+    first.name = "old blade"
+    copied = first.copy()
+    copied.togishi.nakago_ior = 2.0
+    first.togishi.nakago_ior = 1.25
+
+    def ior(material, target):
+        tree = steel_group.group_of(material, target)
+        node = next(n for n in tree.nodes if n.name == "nakago.ior")
+        return node.outputs[0].default_value
+
+    for target in (steel_group.CYCLES, steel_group.EEVEE):
+        assert steel_group.group_of(first, target) != steel_group.group_of(copied, target)
+        assert ior(first, target) == pytest.approx(1.25)
+        assert ior(copied, target) == pytest.approx(2.0)

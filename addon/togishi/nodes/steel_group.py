@@ -271,12 +271,27 @@ def _set_constants(tree: bpy.types.ShaderNodeTree, values: dict[str, Any], spect
     set_constant(tree, "nakago.ior", values["parts"]["nakago"]["ior"])
 
 
+def _group_node(material: bpy.types.Material, target: str) -> bpy.types.ShaderNode | None:
+    tree = material.node_tree
+    return None if tree is None else tree.nodes.get(f"{GROUP_NAME} {target}")
+
+
+def group_of(material: bpy.types.Material, target: str) -> bpy.types.ShaderNodeTree | None:
+    """The material's group, whatever material or group are called by now."""
+    node = _group_node(material, target)
+    return None if node is None else node.node_tree
+
+
+def _others_use(tree: bpy.types.ShaderNodeTree, material: bpy.types.Material, target: str) -> bool:
+    """A copied material has the group of the first one, until it is brought up to date."""
+    return any(group_of(other, target) == tree for other in bpy.data.materials if other != material)
+
+
 def update_group(material: bpy.types.Material, target: str) -> bpy.types.ShaderNodeTree:
     """Make or bring up to date the group of a material for "CYCLES" or "EEVEE"."""
-    name = group_name(material, target)
-    tree = bpy.data.node_groups.get(name)
-    if tree is None:
-        tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tree = group_of(material, target)
+    if tree is None or _others_use(tree, material, target):
+        tree = bpy.data.node_groups.new(group_name(material, target), "ShaderNodeTree")
         tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     table = _write_table(material)
     builder = _Builder(tree, material, target)
@@ -299,7 +314,7 @@ def update_group(material: bpy.types.Material, target: str) -> bpy.types.ShaderN
 
 
 def has_groups(material: bpy.types.Material) -> bool:
-    return any(group_name(material, target) in bpy.data.node_groups for target in (CYCLES, EEVEE))
+    return any(group_of(material, target) is not None for target in (CYCLES, EEVEE))
 
 
 def connect(material: bpy.types.Material) -> None:
@@ -308,7 +323,7 @@ def connect(material: bpy.types.Material) -> None:
     tree = material.node_tree
     for row, target in enumerate((CYCLES, EEVEE)):
         group = update_group(material, target)
-        node = tree.nodes.get(f"{GROUP_NAME} {target}") or tree.nodes.new("ShaderNodeGroup")
+        node = _group_node(material, target) or tree.nodes.new("ShaderNodeGroup")
         node.name = f"{GROUP_NAME} {target}"
         node.label = f"{GROUP_NAME} ({target.title() if target == CYCLES else target})"
         node.node_tree = group
@@ -328,5 +343,6 @@ def refresh(material: bpy.types.Material) -> None:
     if native.problem() or not material.togishi.is_blade:
         return
     for target in (CYCLES, EEVEE):
-        if group_name(material, target) in bpy.data.node_groups:
-            update_group(material, target)
+        node = _group_node(material, target)
+        if node is not None and node.node_tree is not None:
+            node.node_tree = update_group(material, target)
