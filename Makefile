@@ -72,12 +72,12 @@ test-blender-5.2:
 	fi
 
 # The package is tested around the modules that `make core` installed, so that neither this nor CI needs zig.
-test-package: core test-blender-5.2 ## the extension installed into clean Blenders (4.5 LTS, and 5.2 LTS where core-5.2 is)
+ZIP ?=
+test-package: core test-blender-5.2 ## the extension installed into clean Blenders: 4.5 LTS, and 5.2 LTS where core-5.2 is (ZIP=dist/F.zip: this package)
 	@tools/setup_openimageio.sh
 	@$(SAY) "the extension installed into clean Blenders"
-	@$(PY) -m pytest -q tests/package
+	@TOGISHI_PACKAGE=$(ZIP) $(PY) -m pytest -q tests/package
 
-ZIP ?=
 test-window: core-5.2 ## the extension in a real window of trixie's Blender; pictures in out/window (ZIP=dist/F.zip: this package)
 	@tools/setup_debian.sh apt-window.txt
 	@zip="$(ZIP)"; [ -n "$$zip" ] || zip=$$($(PY) tools/package/make_package.py --installed --out build/extension) && tools/test_window.sh "$$zip"

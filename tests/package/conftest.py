@@ -1,4 +1,5 @@
-"""The extension's zip around the modules of `make core` and `make core-5.2`, and clean Blenders to install it into."""
+"""The extension's zip, and clean Blenders to install it into. The zip is made around the modules of `make core` and
+`make core-5.2`, unless $TOGISHI_PACKAGE names one."""
 
 from __future__ import annotations
 
@@ -25,6 +26,8 @@ def at_hand(row: BlenderVersion) -> bool:
 
 @pytest.fixture(scope="session")
 def package(tmp_path_factory) -> Path:
+    if given := os.environ.get("TOGISHI_PACKAGE"):
+        return Path(given).resolve()
     modules = [row.module for row in WHEELS if at_hand(row)]
     return make_package(tmp_path_factory.mktemp("package"), *modules)
 
