@@ -28,6 +28,13 @@ def need(condition: bool, sentence: str) -> None:
         raise AssertionError(sentence)
 
 
+def leave() -> None:
+    """As if Blender had been ended. Disabling it in Blender would take the wheel off the disk."""
+    sys.modules[EXTENSION].unregister()
+    for loaded in [key for key in sys.modules if key.startswith((EXTENSION, "togishi_core"))]:
+        del sys.modules[loaded]
+
+
 def break_library(library: Path) -> None:
     library.write_bytes(b"\x7fELF" + bytes(60))
 
@@ -54,18 +61,17 @@ WAYS = (
 
 def failures() -> Steps:
     bpy.ops.extensions.package_install_files(
-        filepath=str(OPTIONS.zip), repo="user_default", enable_on_install=False
+        filepath=str(OPTIONS.zip), repo="user_default", enable_on_install=True
     )
     user = Path(os.environ["BLENDER_USER_RESOURCES"])
     (library,) = user.rglob("togishi_core*.so")
     shots = screen.Shots(OPTIONS.out)
     view = screen.areas("VIEW_3D")[0]
     for name, damage, words in WAYS:
+        leave()
         damage(library)
         importlib.invalidate_caches()
-        sys.modules.pop("togishi_core", None)
-        bpy.ops.preferences.addon_enable(module=EXTENSION)
-        need(EXTENSION in bpy.context.preferences.addons, f"{name}: it is not enabled")
+        importlib.import_module(EXTENSION).register()
         native = importlib.import_module(f"{EXTENSION}.core.native")
         sentence = native.problem()
         for word in words:
@@ -81,10 +87,8 @@ def failures() -> Steps:
         need(not bpy.ops.mesh.togishi_katana_add.poll(), f"{name}: a blade could be added")
         view.spaces.active.shading.type = "SOLID"
         bpy.context.scene.render.engine = "BLENDER_EEVEE_NEXT"
-        bpy.ops.preferences.addon_disable(module=EXTENSION)
-        for loaded in [key for key in sys.modules if key.startswith(EXTENSION)]:
-            del sys.modules[loaded]
         yield 0.3
+    leave()
 
 
 def main() -> None:

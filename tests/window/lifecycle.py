@@ -113,6 +113,9 @@ class Life:
         if not WINDOW:
             yield 0.0
             return self._drawn()
+        shading = view_area().spaces.active.shading.type
+        engine = bpy.context.window_manager.windows[0].scene.render.engine
+        need((shading, engine) == ("RENDERED", "TOGISHI"), f"the view shows {shading} of {engine}")
         result: list[np.ndarray] = []
         # All samples are gathered, and what was drawn is on the screen.
         for _ in range(bpy.context.scene.togishi.viewport_samples + 1):
@@ -716,6 +719,8 @@ def two_viewports(life: Life) -> Steps:
     yield 0.5
     views = screen.areas("VIEW_3D")
     need(len(views) == 2, "the area was not split")
+    for area in views:  # Blender makes the copy of a rendered view a solid one
+        area.spaces.active.shading.type = "RENDERED"
     views[1].spaces.active.region_3d.view_perspective = "PERSP"
     for number in range(10):
         lamp().location.x += 0.05 * (-1) ** number

@@ -17,10 +17,11 @@ def problem() -> str:
 
 
 def draw_problem(layout: bpy.types.UILayout, width: int = 40) -> None:
-    box = layout.box()
+    column = layout.box().column(align=True)
+    column.scale_y = 0.8  # lines of one sentence
     lines = textwrap.wrap(problem(), width)
     for index, line in enumerate(lines):
-        box.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
+        column.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 
 
 class TOGISHI_PT_problem(bpy.types.Panel):
