@@ -155,6 +155,11 @@ def test_command_lines_exist(options: dict[str, set[str]]) -> None:
     assert not wrong
 
 
+def test_every_subcommand_is_in_the_guide(options: dict[str, set[str]]) -> None:
+    rows = {row[0].strip("`") for row in tables_of(text_of(GUIDE / "headless.md"), "subcommand")}
+    assert rows == set(options) - {"", "render"}
+
+
 def test_options_that_pages_name_exist(options: dict[str, set[str]]) -> None:
     """A span that is nothing but an option: of the commands, or of a program of somebody else on the page on building."""
     known = set().union(*options.values())
