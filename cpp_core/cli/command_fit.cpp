@@ -16,6 +16,8 @@
 #include "cli/commands.hpp"
 #include "fit/fit.hpp"
 #include "fit/option_fields.hpp"
+#include "image/picture_file.hpp"
+#include "plot/fit_plot.hpp"
 #include "scan/scan_file.hpp"
 
 namespace togishi::cli {
@@ -26,6 +28,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
     std::vector<std::string> files;
     std::string output;
+    std::string plots;  // folder
     std::string base{default_material_name};
     std::string name;
     std::vector<std::string> settings;  // key=value of the header
@@ -141,7 +144,23 @@ void print(const Fit& fit) {
     for (const std::string& note : r.notes) std::cout << "  note: " << note << '\n';
 }
 
+// PART-scans.png and PART-half-width.png for each fit.
+std::vector<std::string> write_plots(const std::vector<Fit>& fits,
+                                     const std::filesystem::path& folder) {
+    std::vector<std::string> files;
+    const auto write = [&](const std::string& name, const Picture& picture) {
+        write_png(folder / name, picture.width, picture.height, picture.rgb);
+        files.push_back((folder / name).string());
+    };
+    for (const Fit& fit : fits) {
+        write(fit.record.part + "-scans.png", plot_scans(fit));
+        write(fit.record.part + "-half-width.png", plot_mu_eff(fit));
+    }
+    return files;
+}
+
 void run(Options o, const Common& common) {
+    if (!o.plots.empty()) check_output_folder(std::filesystem::path(o.plots) / "ji-scans.png");
     if (!o.output.empty()) {
         if (!o.output.ends_with(".toml"))
             throw InputError("--output", "file name", o.output, "a name that ends in .toml");
@@ -171,8 +190,11 @@ void run(Options o, const Common& common) {
                                      : std::filesystem::path(o.output).stem().string();
         write_text_file(o.output, material_to_toml(material_from_fits(all, base, name)));
     }
+    const std::vector<std::string> plots =
+        o.plots.empty() ? std::vector<std::string>{} : write_plots(fits, o.plots);
     if (common.json) {
         Json report;
+        report["plots"] = plots;
         report["material"] = o.output.empty() ? Json(nullptr) : Json(o.output);
         for (const Fit& fit : fits) report["fits"].push_back(json_of(fit, o.curves));
         std::cout << report.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
@@ -180,6 +202,7 @@ void run(Options o, const Common& common) {
     }
     for (const Fit& fit : fits) print(fit);
     if (!o.output.empty()) std::cout << "material: " << o.output << '\n';
+    for (const std::string& file : plots) std::cout << "plot: " << file << '\n';
 }
 
 }  // namespace
@@ -193,6 +216,8 @@ void add_fit_command(CLI::App& app, const Common& common) {
                      "Scan files (docs/measurement.md); those of one part are fitted together")
         ->required();
     command->add_option("-o,--output", o->output, "Material to write (.toml)");
+    command->add_option("--plots", o->plots,
+                        "Folder for pictures of the fit: PART-scans.png, PART-half-width.png");
     command->add_option("--base", o->base, "Material that the other parts come from")
         ->capture_default_str();
     command->add_option("--name", o->name, "Name of the material");
