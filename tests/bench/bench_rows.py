@@ -6,17 +6,18 @@ A measuring command takes `--out PATH` and writes there
                "spread": [0.40, 0.43], "how": "median of 24 interleaved frames, 1920x1080"}],
      "curves": {"lights": {"x_label": "lights", "y_label": "frame, ms", "x": [1, 2], "y": [9, 12],
                            "exponent": 0.4, "exponent_interval": [0.3, 0.5]}},
-     "machine": {"gpu": "llvmpipe"}}
+     "machine": {"gpu": "llvmpipe"}, "pictures": {"A blade": "<PNG in base64>"}}
 
 `value` is what was measured, in `unit`; `bound` and `op` say what is promised (both null where nothing is);
-`spread` is null, one number (half width) or [low, high], in `unit`; `how` says how it was measured. `curves` and
-`machine` are optional. Ids of a simplification come in pairs, accuracy.pareto.<what>.<error> and
+`spread` is null, one number (half width) or [low, high], in `unit`; `how` says how it was measured. `curves`,
+`machine` and `pictures` (by caption) are optional. Ids of a simplification come in pairs, accuracy.pareto.<what>.<error> and
 accuracy.pareto.<what>.<time>, told apart by their unit (a unit of time makes the time).
 """
 
 from __future__ import annotations
 
 import argparse
+import base64
 import json
 import math
 import operator
@@ -70,6 +71,7 @@ class Measurement:
     rows: list[Row] = field(default_factory=list)
     curves: dict[str, Curve] = field(default_factory=dict)
     machine: dict[str, str] = field(default_factory=dict)
+    pictures: dict[str, str] = field(default_factory=dict)
 
 
 # --- reading and writing --------------------------------------------------------------------------
@@ -160,6 +162,17 @@ def _curve(where: str, fields: Any) -> Curve:
     return curve
 
 
+def _png(where: str, value: Any) -> str:
+    """Goes into the page as it is: nothing but a PNG may."""
+    try:
+        good = base64.b64decode(_text(where, value), validate=True).startswith(b"\x89PNG\r\n\x1a\n")
+    except ValueError:
+        good = False
+    if not good:
+        raise ResultsError(f"{where}: not a PNG in base64")
+    return str(value)
+
+
 def read_measurement(path: Path) -> Measurement:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -175,12 +188,14 @@ def read_measurement(path: Path) -> Measurement:
         raise ResultsError(f"{path}: the row {repeated!r} stands there twice")
     curves = content.get("curves") or {}
     machine = content.get("machine") or {}
-    if not isinstance(curves, dict) or not isinstance(machine, dict):
-        raise ResultsError(f"{path}: curves and machine are objects")
+    pictures = content.get("pictures") or {}
+    if not all(isinstance(part, dict) for part in (curves, machine, pictures)):
+        raise ResultsError(f"{path}: curves, machine and pictures are objects")
     return Measurement(
         rows,
         {name: _curve(f"{path}, curve {name!r}", curve) for name, curve in curves.items()},
         {name: str(value) for name, value in machine.items()},
+        {name: _png(f"{path}, picture {name!r}", value) for name, value in pictures.items()},
     )
 
 

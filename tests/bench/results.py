@@ -31,6 +31,7 @@ AREAS: Mapping[str, Sequence[Path]] = {
     "viewport": [BENCH / "viewport.py"],
     "scale": [BENCH / "scale.py"],
     "package": [BENCH / "package.py"],
+    "fit": [BENCH / "fit.py"],
 }
 """Area -> its measuring commands (bench_rows.py says what they write). Ids of rows begin with the area."""
 
@@ -92,6 +93,7 @@ def merge(parts: Sequence[Path], area: str, areas: Mapping[str, Sequence[Path]])
         merged.rows += [row for row in measurement.rows if row.id.startswith(f"{area}.")]
         merged.curves |= measurement.curves
         merged.machine |= measurement.machine
+        merged.pictures |= measurement.pictures
     return merged
 
 

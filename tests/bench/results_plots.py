@@ -198,5 +198,5 @@ def scale_plots(curves: Mapping[str, Curve]) -> dict[str, str]:
                 loc="left",
                 color=INK,
             )
-            plots[name] = _svg(figure, f"Frame time against {curve.x_label}")
+            plots[name] = _svg(figure, f"{curve.y_label} against {curve.x_label}")
     return plots
