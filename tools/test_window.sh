@@ -122,7 +122,7 @@ in_window() {
     python3 tests/window/console.py "$out/$name.log" || fail "$name: the lines above stand in $out/$name.log, and none should."
 }
 
-run_lifecycle() { in_window lifecycle 900 1280 800 lifecycle.py; }
+run_lifecycle() { in_window lifecycle 1800 1280 800 lifecycle.py; }
 run_pictures() { in_window pictures 600 1800 1400 pictures.py; }
 run_failure() { in_window failure 120 1000 700 failure.py; }
 run_command() {

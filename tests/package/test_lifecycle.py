@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 
+import pytest
 from clean_blender import ROOT
 
 SCRIPTS = ROOT / "tests/window"
@@ -27,6 +28,7 @@ IN_A_WINDOW = {
 }
 
 
+@pytest.mark.timeout(660)
 def test_the_whole_life(blender, package, tmp_path):
     blender.user.mkdir(parents=True)
     console = tmp_path / "console.log"
@@ -43,7 +45,7 @@ def test_the_whole_life(blender, package, tmp_path):
             },
             stdout=stream,
             stderr=subprocess.STDOUT,
-            timeout=230,
+            timeout=600,
             check=False,
         )
     text = console.read_text(errors="replace")
