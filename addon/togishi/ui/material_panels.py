@@ -11,6 +11,19 @@ from ..nodes import steel_group
 from ..nodes.lobe_nodes import MAX_ASPECT
 
 
+def _lobe_row(layout: bpy.types.UILayout) -> tuple[bpy.types.UILayout, bpy.types.UILayout]:
+    """Where a part's name stands, and its numbers in three columns."""
+    split = layout.split(factor=0.3, align=True)
+    return split.column(), split.row(align=True)
+
+
+def draw_lobe_header(layout: bpy.types.UILayout) -> None:
+    name_part, numbers = _lobe_row(layout)
+    name_part.label(text="")
+    for text in ("μ wide (°)", "narrow (°)", "ρ (°)"):
+        numbers.label(text=text)
+
+
 def draw_lobe(
     layout: bpy.types.UILayout,
     settings: properties.TogishiMaterial,
@@ -20,11 +33,10 @@ def draw_lobe(
 ) -> None:
     lobe = getattr(settings, name)
     column = layout.column(align=True)
-    column.label(text=label)
-    row = column.row(align=True)
-    row.prop(lobe, "mu_t_deg", text="μ wide")
-    row.prop(lobe, "mu_b_deg", text="μ narrow")
-    row.prop(lobe, "rho_deg", text="ρ")
+    name_part, numbers = _lobe_row(column)
+    name_part.label(text=label)
+    for field in ("mu_t_deg", "mu_b_deg", "rho_deg"):
+        numbers.prop(lobe, field, text="")
     if settings.weights == "measured" and constant:
         column.prop(lobe, "weight", text="χ (1/sr)" if constant == "chi" else "β (1/sr)")
 
@@ -71,13 +83,14 @@ def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
     layout.prop(settings, "node_spectrum")
     row = layout.row(align=True)
     row.operator("material.togishi_nodes_connect", text="Bake", icon="NODETREE")
-    row.operator("material.togishi_nodes_bake_for_scene", text="For the Scene's Light")
+    row.operator("material.togishi_nodes_bake_for_scene", text="For the Scene")
     if not steel_group.has_groups(material):
         return
     costs = bake_cost_cache.read(material)
     column = layout.column(align=True)
     if costs is None:
-        column.label(text="Bake to see what one light's colours cost under others", icon="INFO")
+        column.label(text="Bake to see what one light's", icon="INFO")
+        column.label(text="colours cost under others.", icon="BLANK1")
     else:
         column.label(text="Colour error under other lights, worst ΔE00:")
         grid = column.grid_flow(columns=2, even_columns=True)
@@ -130,9 +143,10 @@ class TOGISHI_PT_material_lobes(_MaterialPanel, bpy.types.Panel):
         settings = context.material.togishi
         layout = self.layout
         if settings.lobes_image is not None:
-            layout.label(
-                text="The maps decide where there are maps; bake after a change", icon="INFO"
-            )
+            column = layout.column(align=True)
+            column.label(text="The maps decide where there are maps.", icon="INFO")
+            column.label(text="Bake after a change.", icon="BLANK1")
+        draw_lobe_header(layout)
         for name, label, constant in properties.LOBE_PARTS:
             draw_lobe(layout, settings, name, label, constant)
         layout.prop(settings, "nakago_albedo")
