@@ -592,6 +592,9 @@ def metal_spec(material: bpy.types.Material) -> str:
     """Name of the built-in metal, or the absolute path of the user's file."""
     settings = material.togishi
     if settings.metal == FILE_CHOICE:
+        # A file that was not chosen yet gives the default, as with lights.
+        if not settings.metal_path:
+            return str(settings.bl_rna.properties["metal"].default)
         return bpy.path.abspath(settings.metal_path, library=material.library)
     return str(settings.metal)
 

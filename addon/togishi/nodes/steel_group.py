@@ -342,7 +342,11 @@ def refresh(material: bpy.types.Material) -> None:
     """After an edit: bring existing groups up to date."""
     if native.problem() or not material.togishi.is_blade:
         return
-    for target in (CYCLES, EEVEE):
-        node = _group_node(material, target)
-        if node is not None and node.node_tree is not None:
-            node.node_tree = update_group(material, target)
+    try:
+        for target in (CYCLES, EEVEE):
+            node = _group_node(material, target)
+            if node is not None and node.node_tree is not None:
+                node.node_tree = update_group(material, target)
+    except native.core().InputError as error:
+        # While a path or a spectrum is being typed. The engine and the bake's operator refuse it in their own words.
+        print(f"Info: Togishi: {material.name!r} keeps its node groups as they are: {error}")

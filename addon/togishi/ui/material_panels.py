@@ -48,6 +48,8 @@ def draw_steel(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
     layout.prop(settings, "metal_choice")
     if settings.metal == properties.FILE_CHOICE:
         layout.prop(settings, "metal_path")
+        if not settings.metal_path:
+            layout.label(text="No file is chosen: iron is used", icon="ERROR")
     layout.prop(settings, "weights")
     row = layout.row(align=True)
     row.operator("material.togishi_load", text="Load…", icon="FILE_FOLDER")
