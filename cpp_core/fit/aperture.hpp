@@ -15,8 +15,8 @@ struct ApertureNode {
 [[nodiscard]] std::vector<ApertureNode> aperture_nodes(double source_deg, double detector_deg,
                                                        int rings);
 
-/// Rings that hold the average of a Gaussian lobe to 1e-5 of its peak, where the aperture moves the
-/// half vector by up to `reach` of the lobe's half width.
+/// Rings that hold the average of a Gaussian lobe to 1e-4 of its peak (3e-5 up to a reach of 1),
+/// where the aperture moves the half vector by up to `reach` of the lobe's half width.
 [[nodiscard]] int aperture_rings(double reach);
 
 }  // namespace togishi

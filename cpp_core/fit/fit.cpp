@@ -238,7 +238,8 @@ class Search {
         settle(p, best, 6, true);
         const auto n = scans_.readings();
         const bool enough = n >= 3 * (best.active.shared.size() + 2);
-        if (best.lobe != LobeFreedom::round && options_.anisotropy == FitChoice::automatic) {
+        if (best.lobe != LobeFreedom::round && options_.anisotropy == FitChoice::automatic &&
+            !clearly_two(p, best)) {
             Solution round = best;
             round.lobe = LobeFreedom::round;
             round.active = active(round.lobe, false);
@@ -257,6 +258,21 @@ class Search {
         return best;
     }
 
+    // Whether the half widths differ by so many sigma that a round lobe need not be tried.
+    static bool clearly_two(const FitProblem& p, const Solution& s) {
+        const Covariance c = covariance(p, s.parameters, s.active);
+        double variance = 0;
+        for (std::size_t a = 0; a < s.active.shared.size(); ++a) {
+            const auto at = static_cast<Eigen::Index>(a);
+            if (s.active.shared[a] == index_e_along || s.active.shared[a] == index_e_across)
+                variance = std::max(variance, c.shared(at, at));
+        }
+        const double r =
+            std::hypot(s.parameters.shared[index_e_along], s.parameters.shared[index_e_across]);
+        constexpr double clearly = 20;
+        return r > clearly * std::sqrt(variance);
+    }
+
     Solution with_haze(FitProblem& p, const Solution& plain) {
         Solution best = plain;
         bool first = true;
@@ -268,13 +284,22 @@ class Search {
             hazy.parameters.shared[index_ln_haze_share] = std::log(share);
             hazy.parameters.shared[index_ln_haze_width] = std::log(width);
             restore(p, plain);
+            // A quick look first: as the noise was estimated without it, a second lobe must already
+            // pay.
+            p.haze = true;
+            SolverOptions look;
+            look.max_iterations = 12;
+            look.cost_tolerance = 1e-5;
+            const SolverResult r =
+                solve(p, hazy.parameters, hazy.active, look, [&] { progress_(); });
+            p.haze = false;
+            constexpr double worth = 10;
+            if (options_.haze != FitChoice::on && p.cost(plain.parameters) - r.cost < worth)
+                continue;
+            hazy.parameters = r.parameters;
             settle(p, hazy, 5, false);
             if (hazy.bic < best.bic || (options_.haze == FitChoice::on && first)) best = hazy;
             first = false;
-            // Nothing there: the second start would find the same nothing.
-            if (hazy.bic > plain.bic - 2 && options_.haze != FitChoice::on &&
-                hazy.parameters.shared[index_ln_haze_share] < std::log(1e-3))
-                break;
         }
         return best;
     }

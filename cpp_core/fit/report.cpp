@@ -252,9 +252,13 @@ class Report {
                 undetermined(azimuth, "no_azimuth_coverage", text);
             }
         } else if (solution_.lobe == LobeFreedom::aligned) {
-            undetermined(
-                azimuth, "no_azimuth_coverage",
-                "the scans cut the lobe in two directions only; its axes were taken to lie there");
+            // Two cuts make three numbers only where the axes are known to lie along them.
+            for (FitParameter* p : {&wide, &narrow, &azimuth}) {
+                undetermined(
+                    *p, "no_azimuth_coverage",
+                    "the scans cut the lobe in two directions only; its axes were taken to "
+                    "lie along and across the first");
+            }
         }
         table.add(
             wide,

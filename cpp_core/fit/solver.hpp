@@ -12,7 +12,7 @@ namespace togishi {
 
 struct SolverOptions {
     int max_iterations = 60;
-    double cost_tolerance = 1e-9;  ///< relative decrease that ends it
+    double cost_tolerance = 1e-7;  ///< relative decrease that ends it
 };
 
 struct SolverResult {

@@ -133,9 +133,19 @@ LobeStart lobe_through(const std::vector<Curve>& curves, double axis_rad, bool r
 
 }  // namespace
 
+namespace {
+
+bool has_reading(const Scan& scan) {
+    return std::any_of(scan.intensity.begin(), scan.intensity.end(),
+                       [](double v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
 int lobe_directions(const ScanSet& scans) {
     std::set<long> directions;
     for (const Scan& scan : scans.scans) {
+        if (!has_reading(scan)) continue;
         std::set<long> azimuths;
         for (const ScanRow& row : scan.rows) azimuths.insert(std::lround(row.azimuth_deg));
         constexpr std::size_t enough = 3;
@@ -151,7 +161,7 @@ bool turned(const ScanSet& scans) {
     for (const Scan& scan : scans.scans) {
         const double by = std::remainder(scan.turn_deg - scans.scans.front().turn_deg, 360.0);
         constexpr double far_enough = 30;
-        if (std::abs(by) > far_enough) return true;
+        if (std::abs(by) > far_enough && has_reading(scan)) return true;
     }
     return false;
 }

@@ -78,7 +78,8 @@ std::vector<DiscNode> disc_nodes(double full_angle_deg, double narrowest_lobe_ra
     if (radius == 0) return {{0, 0, 1}};
     // The half vector moves by half as much as the light, up to 1/cos times that beside the plane.
     const double spread = radius / narrowest_lobe_rad;
-    const int rings = spread < 0.15 ? 1 : std::min(24, static_cast<int>(std::ceil(2 + 2 * spread)));
+    const int rings =
+        spread < 0.15 ? 1 : std::min(24, static_cast<int>(std::ceil(1.5 + 1.2 * spread)));
     const int around = 4 * rings + 2;
     std::vector<DiscNode> nodes;
     for (int ring = 0; ring < rings; ++ring) {

@@ -180,7 +180,7 @@ TEST(Fit, StiffAndHopelessData) {
     std::fill(scans.scans[1].intensity.begin(), scans.scans[1].intensity.end(), 0.0);
     const Fit without = fit_scans(scans);
     expect_finite(without, "a scan of zeros");
-    EXPECT_NEAR(of(without, "mu_b_deg").value, 5, 1.5);
+    EXPECT_EQ(of(without, "mu_b_deg").reason, "no_azimuth_coverage");
     for (const double level : {1.0, 0.0, -2.0}) {
         for (Scan& scan : scans.scans)
             std::fill(scan.intensity.begin(), scan.intensity.end(), level);

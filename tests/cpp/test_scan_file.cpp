@@ -55,7 +55,7 @@ TEST(ScanFile, WhatAStrangerWrites) {
     EXPECT_EQ(set.readings(), 3U);
     ASSERT_EQ(set.notes.size(), 2U);
     EXPECT_NE(set.notes[0].find("warning"), std::string::npos);
-    EXPECT_NE(set.notes[1].find("line 14"), std::string::npos) << set.notes[1];
+    EXPECT_NE(set.notes[1].find("line 15"), std::string::npos) << set.notes[1];
     EXPECT_EQ(set.inputs[0].sha256.size(), 64U);
 }
 
