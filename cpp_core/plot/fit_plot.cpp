@@ -295,8 +295,8 @@ class ScanPlot {
 
     void panel(std::size_t index) {
         const double left = static_cast<double>(index % layout_.columns) * layout_.panel_width;
-        const double top =
-            layout_.header + static_cast<double>(index / layout_.columns) * layout_.panel_height;
+        const std::size_t row = index / layout_.columns;
+        const double top = layout_.header + static_cast<double>(row) * layout_.panel_height;
         const double bottom = top + layout_.panel_height - 58 * s_;
         const double residual_height = 74 * s_;
         const Box upper{left + 92 * s_, top + 34 * s_, left + layout_.panel_width - 30 * s_,
@@ -391,6 +391,7 @@ Picture plot_mu_eff(const Fit& fit, double scale) {
     }
     for (double value = step; value <= outer * 1.0001; value += step) {
         std::vector<PlotPoint> circle;
+        circle.reserve(turns.size());
         for (const double turn : turns) circle.push_back(at(turn, value));
         canvas.stroke(circle, value > 0.999 * outer ? 1.4 * s : 1,
                       value > 0.999 * outer ? soft : faint);

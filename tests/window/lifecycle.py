@@ -507,6 +507,28 @@ def bake(life: Life) -> Steps:
     changed(first, second, "the second bake")
 
 
+@step("fit a measurement")
+def fit_measurement(life: Life) -> Steps:
+    core = part("core.native").core()
+    options = {"channels": ["intensity_550nm"], "step_deg": 0.5}
+    scans = core.simulate_scan(core.default_material(), "hamon", options)
+    file = life.out / "scans.csv"
+    file.write_text(scans.to_text(), encoding="utf-8")
+    with as_user():
+        result = bpy.ops.scene.togishi_measurement_fit(filepath=str(file))
+    need(result == {"FINISHED"}, f"fitting: {result}")
+    yield from screen.until(
+        lambda: len(bpy.context.scene.togishi_measurement.fits) == 1, 60.0, "fitting"
+    )
+    fit = bpy.context.scene.togishi_measurement.fits[0]
+    need(fit.scans_image.size[0] == 1600, "the fit's plot is missing")
+    yield from life.shown()
+    before = steel().togishi.hadori.mu_t_deg
+    with as_user():
+        bpy.ops.scene.togishi_measurement_apply(part="hadori")
+    need(steel().togishi.hadori.mu_t_deg != before, "the fit did not reach the material")
+
+
 @step("edit the blade's dimensions")
 def edit_blade(life: Life) -> Steps:
     before = yield from life.picture()
