@@ -29,6 +29,8 @@ REQUIRED = (
     "steel_pattern",
     "steel_defaults",
     "encode_lobe",
+    "fit_scans",
+    "fit_pictures",
 )
 
 
