@@ -182,6 +182,7 @@ void run(Options o, const Common& common) {
     for (const ScanSet& scans : read_scans(files, settings_of(o.settings)))
         fits.push_back(fit_scans(scans, o.fit, progress));
     std::vector<const Fit*> all;
+    all.reserve(fits.size());
     for (const Fit& fit : fits) all.push_back(&fit);
     if (!o.output.empty()) {
         const std::string name = !o.name.empty() ? o.name

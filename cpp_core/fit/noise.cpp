@@ -50,12 +50,10 @@ NoiseModel estimate_noise(const FitProblem& problem, const std::vector<double>& 
             pr += w * p * r2;
         }
         const double det = ss * pp - sp * sp;
-        double next_a = a, next_b = b;
+        double next_a = -1, next_b = -1;
         if (det > 1e-12 * ss * pp) {
             next_a = (pp * sr - sp * pr) / det;
             next_b = (ss * pr - sp * sr) / det;
-        } else {
-            next_a = next_b = -1;
         }
         // A part that comes out negative is none; the other one then explains all.
         if (next_a <= 0 || next_b <= 0) {

@@ -194,7 +194,7 @@ void FitProblem::visit_rows(const FitParameters& p, const FitActive* active, Vis
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         const Row& row = rows_[i];
         if (scan_used[row.scan] == 0) continue;
-        if (row.scan != scan_now) {
+        if (row.scan != scan_now || nodes == nullptr) {
             scan_now = row.scan;
             const Setup& setup = setups_[row.scan];
             const double ct = std::cos(setup.turn_rad), st = std::sin(setup.turn_rad);
