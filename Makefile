@@ -9,7 +9,7 @@ TOGISHI := build/release/cpp_core/cli/togishi
 CORE_SOURCES := $(shell find cpp_core shaders data cmake -type f 2>/dev/null) CMakeLists.txt pyproject.toml
 SAY := . tools/say.sh; say
 
-.PHONY: help setup setup-5.2 build core core-5.2 demo test test-cpp test-python test-blender-5.2 test-package test-window package \
+.PHONY: help setup setup-5.2 build command core core-5.2 demo test test-cpp test-python test-blender-5.2 test-package test-window package \
         docs-pictures results lint sanitize format clean
 
 help: ## list the targets
@@ -45,7 +45,13 @@ core-5.2: setup-5.2
 build/core-5.2.stamp: $(CORE_SOURCES)
 	$(call install_core,$(PY52))
 
-demo: build core ## the main job on real input: pictures and a page in out/demo
+# Only what the demo runs: the tests' programs are half of the whole build.
+command: setup
+	@$(SAY) "building the togishi command"
+	@cmake --preset release >/dev/null
+	@cmake --build --preset release --target togishi
+
+demo: command core ## the main job on real input: pictures and a page in out/demo
 	@$(SAY) "rendering the demo into out/demo"
 	@$(PY) blend_files/demo/make_demo.py --out out/demo
 	@$(SAY) "done: open out/demo/index.html"
