@@ -5,7 +5,6 @@ The fit itself needs no Blender data, so that it can run beside the user interfa
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,75 +14,33 @@ import numpy as np
 from bpy.props import CollectionProperty, PointerProperty, StringProperty
 from numpy.typing import NDArray
 
-from .core import native
+from .background_job import BackgroundJob, running
 
 
-class FitJob:
-    """Reading and fitting in a thread of its own."""
+class FitJob(BackgroundJob):
+    """Reading and fitting. Its result: the fits with their pictures, ji first."""
+
+    thread_name = "togishi-fit"
 
     def __init__(self, paths: Sequence[str], options: Mapping[str, Any]) -> None:
+        super().__init__()
         self._paths, self._options = list(paths), dict(options)
-        self._core = native.core()
-        self.share = 0.0  # of the work that is done
-        self.cancelled = False
-        self._fits: list[Any] = []
-        self._pictures: list[dict[str, NDArray[np.uint8]]] = []
-        self._error: Exception | None = None
-        self._thread = threading.Thread(target=self._run, name="togishi-fit", daemon=True)
 
-    def _run(self) -> None:
-        try:
-            sets = self._core.read_scans(self._paths)
-            for index, scans in enumerate(sets):
+    def _compute(self) -> list[tuple[Any, dict[str, NDArray[np.uint8]]]]:
+        sets = self._core.read_scans(self._paths)
+        fits = []
+        for index, scans in enumerate(sets):
 
-                def progress(share: float, done: int = index) -> bool:
-                    self.share = (done + share) / len(sets)
-                    return not self.cancelled
+            def progress(share: float, done: int = index) -> bool:
+                return self._progress((done + share) / len(sets))
 
-                fit = self._core.fit_scans(scans, self._options, progress=progress)
-                self._pictures.append(self._core.fit_pictures(fit))
-                self._fits.append(fit)
-        except Exception as error:  # handed to the main thread, which raises it again
-            self._error = error
-        finally:
-            _running.discard(self)
-
-    def start(self) -> None:
-        _running.add(self)
-        self._thread.start()
-
-    def cancel(self) -> None:
-        """End it at its next report of progress. There is no result then."""
-        self.cancelled = True
-
-    def wait(self) -> None:
-        self._thread.join()
-
-    @property
-    def done(self) -> bool:
-        return not self._thread.is_alive()
-
-    def result(self) -> list[tuple[Any, dict[str, NDArray[np.uint8]]]]:
-        """The fits with their pictures, ji first; waits for them. Raises what the work raised; InterruptedError
-        after cancel()."""
-        self.wait()
-        if self._error is not None:
-            raise self._error
-        return list(zip(self._fits, self._pictures, strict=True))
-
-
-_running: set[FitJob] = set()
+            fit = self._core.fit_scans(scans, self._options, progress=progress)
+            fits.append((fit, self._core.fit_pictures(fit)))
+        return fits
 
 
 def is_running() -> bool:
-    return any(not job.cancelled for job in _running)
-
-
-def stop_all() -> None:
-    """Cancel what runs and wait for it: no thread outlives the add-on, or Blender."""
-    for job in list(_running):
-        job.cancel()
-        job.wait()
+    return any(isinstance(job, FitJob) for job in running())
 
 
 # --- what is kept -------------------------------------------------------------------------------
@@ -168,7 +125,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    stop_all()
     del bpy.types.Scene.togishi_measurement
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -6,14 +6,20 @@ Runs the program bench_spectral (built with the tests), which computes all of it
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from bench_rows import Measurement, ResultsError, Row, command_line, write_measurement
+from bench_rows import (
+    Measurement,
+    ResultsError,
+    Row,
+    bench_program,
+    command_line,
+    write_measurement,
+)
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PROGRAM = REPOSITORY / "build/release/tests/bench/bench_spectral"
@@ -28,16 +34,6 @@ WHAT = {
     "schlick": "Schlick's curve from F0 as RGB (under D65), times the light's RGB",
     "d65_table_rgb_light": "a table baked under D65, times the light's RGB over D65's",
 }
-
-
-def program() -> Path:
-    path = Path(os.environ.get("TOGISHI_BENCH_SPECTRAL", PROGRAM))
-    if not path.is_file():
-        raise ResultsError(
-            f"{path} is missing: build it with cmake --preset release && cmake --build --preset release, "
-            "or name it in TOGISHI_BENCH_SPECTRAL"
-        )
-    return path
 
 
 def what(method: str) -> str:
@@ -119,7 +115,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = command_line(__doc__ or "").parse_args(arguments)
     rounds = 5 if options.quick else 101
     try:
-        command = [str(program()), str(rounds)]
+        command = [str(bench_program(PROGRAM, "TOGISHI_BENCH_SPECTRAL")), str(rounds)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise ResultsError(

@@ -36,6 +36,17 @@ class ResultsError(ValueError):
     """A file of rows that cannot be believed, with what is wrong in it."""
 
 
+def bench_program(built: Path, variable: str) -> Path:
+    """A measuring program of the release build, or what the environment variable names instead."""
+    path = Path(os.environ.get(variable, built))
+    if not path.is_file():
+        raise ResultsError(
+            f"{path} is missing: build it with cmake --preset release && cmake --build --preset release, "
+            f"or name it in {variable}"
+        )
+    return path
+
+
 @dataclass(frozen=True)
 class Row:
     id: str

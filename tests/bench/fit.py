@@ -31,6 +31,7 @@ from bench_rows import (
     Measurement,
     ResultsError,
     Row,
+    bench_program,
     command_line,
     exponent,
     ratio_and_spread,
@@ -69,19 +70,11 @@ MITSUBA = (
 NM = (450.0, 550.0, 650.0)
 
 
-def program() -> Path:
-    path = Path(os.environ.get("TOGISHI_BENCH_FIT", PROGRAM))
-    if not path.is_file():
-        raise ResultsError(
-            f"{path} is missing: build it with cmake --preset release && cmake --build --preset release, "
-            "or name it in TOGISHI_BENCH_FIT"
-        )
-    return path
-
-
 def bench(*arguments: object) -> Any:
     done = subprocess.run(
-        [str(program()), *map(str, arguments)], stdout=subprocess.PIPE, check=True
+        [str(bench_program(PROGRAM, "TOGISHI_BENCH_FIT")), *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        check=True,
     )
     return json.loads(done.stdout)
 

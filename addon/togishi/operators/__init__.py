@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import pattern_baking
+from .. import background_job
 from . import (
     add_katana,
     blade_material,
@@ -36,7 +36,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    pattern_baking.stop_all()
+    background_job.stop_all()
     add_katana.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

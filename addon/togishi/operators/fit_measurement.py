@@ -11,6 +11,7 @@ from bpy_extras.io_utils import ImportHelper
 
 from .. import blade_object, measurement, properties
 from ..core import fit_apply, fit_table, native
+from .modal_job import ModalJob
 from .poll import NEEDS_BLADE_MATERIAL, allowed
 
 NEEDS_FIT = "Nothing has been fitted in this scene yet; 'Fit Measurement' does"
@@ -128,7 +129,7 @@ def finish(
     return {"FINISHED"}
 
 
-class TOGISHI_OT_measurement_run(bpy.types.Operator):
+class TOGISHI_OT_measurement_run(ModalJob, bpy.types.Operator):
     """Fit scans beside the user interface"""
 
     bl_idname = "scene.togishi_measurement_run"
@@ -138,54 +139,20 @@ class TOGISHI_OT_measurement_run(bpy.types.Operator):
     paths_json: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
     options_json: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
-    _timer: bpy.types.Timer | None = None
-    _job: measurement.FitJob | None = None
+    doing = "Togishi fits the measurement"
+    cancelled = "The fit was cancelled; nothing was changed"
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        self._job = measurement.FitJob(json.loads(self.paths_json), json.loads(self.options_json))
-        self._job.start()
         self._scene = context.scene.session_uid
-        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        job = measurement.FitJob(json.loads(self.paths_json), json.loads(self.options_json))
+        return self.begin(context, job)
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        assert self._job is not None
-        if event.type == "ESC" and event.value == "PRESS":
-            self._finish(context)
-            self.report({"INFO"}, "The fit was cancelled; nothing was changed")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        if not self._job.done:
-            if context.workspace is not None:
-                context.workspace.status_text_set(
-                    f"Togishi fits the measurement: {self._job.share:.0%}. Esc cancels"
-                )
-            # Other timers' events pass: an animation goes on playing.
-            return {"PASS_THROUGH"}
-        job = self._job
-        self._job = None
-        self._finish(context)
+    def take(self, _context: bpy.types.Context, job: measurement.FitJob) -> set[str]:
         scene = next((s for s in bpy.data.scenes if s.session_uid == self._scene), None)
         if scene is None:
             self.report({"WARNING"}, "The scene is gone; the fit was not kept")
             return {"CANCELLED"}
         return finish(self, scene, json.loads(self.paths_json), job)
-
-    def _finish(self, context: bpy.types.Context) -> None:
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        if self._job is not None:
-            self._job.cancel()
-            self._job = None
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends it: another file is loaded, or the window closes."""
-        self._finish(context)
 
 
 class TOGISHI_OT_measurement_apply(bpy.types.Operator):

@@ -6,18 +6,19 @@ import bpy
 
 from .. import blade_object, map_images, pattern_baking, properties
 from ..core import native
+from .modal_job import ModalJob
 from .poll import allowed
 
 
-class TOGISHI_OT_pattern_bake(bpy.types.Operator):
+class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
     """Make the maps of hamon, hada and polish from the settings. Esc cancels"""
 
     bl_idname = "material.togishi_pattern_bake"
     bl_label = "Bake Pattern"
     bl_options = {"REGISTER", "UNDO"}
 
-    _timer: bpy.types.Timer | None = None
-    _job: pattern_baking.PatternJob | None = None
+    doing = "Togishi bakes the steel pattern"
+    cancelled = "Baking was cancelled; the maps are as they were"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -56,29 +57,9 @@ class TOGISHI_OT_pattern_bake(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        material, parameters = self._targets(context)
-        self._job = pattern_baking.PatternJob(material, parameters)
-        self._job.start()
-        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.begin(context, pattern_baking.PatternJob(*self._targets(context)))
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        assert self._job is not None
-        if event.type == "ESC" and event.value == "PRESS":
-            self._finish(context)
-            self.report({"INFO"}, "Baking was cancelled; the maps are as they were")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        if not self._job.done:
-            context.workspace.status_text_set(
-                f"Togishi bakes the steel pattern: {self._job.share:.0%}. Esc cancels"
-            )
-            # Other timers' events pass: an animation goes on playing.
-            return {"PASS_THROUGH"}
-        job = self._job
-        self._finish(context)
+    def take(self, _context: bpy.types.Context, job: pattern_baking.PatternJob) -> set[str]:
         material = next((m for m in bpy.data.materials if m.session_uid == job.material_uid), None)
         if material is None:
             self.report({"WARNING"}, "The blade's material is gone; its maps were not written")
@@ -88,20 +69,6 @@ class TOGISHI_OT_pattern_bake(bpy.types.Operator):
         except native.core().InputError as error:
             return self._fail(error)
         return {"FINISHED"}
-
-    def _finish(self, context: bpy.types.Context) -> None:
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        if self._job is not None:
-            self._job.cancel()
-            self._job = None
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends it: another file is loaded, or the window closes."""
-        self._finish(context)
 
 
 CLASSES = (TOGISHI_OT_pattern_bake,)
