@@ -190,6 +190,10 @@ def test_one_area_is_measured_and_judged_alone(bench, capsys):
     assert bench.run() == 1  # size.mb has no bound
     assert runs.read_text() == "x"
     assert bench.run("--area", "speed") == 0
+    # The page shows the other area too, and must not call it kept.
+    page = (bench.out / "index.html").read_text()
+    assert "nothing is missing" not in page
+    assert "Not as promised" in page
     assert "size.mb" in capsys.readouterr().out
     assert json.loads((bench.out / "size.json").read_text())["rows"][0]["value"] == 5
 
