@@ -168,19 +168,22 @@ bool turned(const ScanSet& scans) {
 
 void set_height(const FitProblem& problem, FitParameters& p) {
     p.shared[index_ln_weight] = 0;
-    const auto channels = static_cast<Eigen::Index>(problem.channels());
-    p.shared.tail(channels).setZero();
+    const std::size_t channels = problem.channels();
+    p.shared.tail(static_cast<Eigen::Index>(channels)).setZero();
     const std::vector<double> shape = problem.modelled(p);
     std::vector<double> floor;
-    for (std::size_t c = 0; c < problem.channels(); ++c) floor.push_back(low_level(problem, c));
+    for (std::size_t c = 0; c < channels; ++c) floor.push_back(low_level(problem, c));
     double vv = 0, vy = 0;
-    for (std::size_t i = 0; i < shape.size(); ++i) {
-        if (problem.state[i] != ReadingState::used) continue;
-        vv += shape[i] * shape[i];
-        vy += shape[i] * (problem.measured()[i] - floor[i % problem.channels()]);
+    for (std::size_t first = 0; first < shape.size(); first += channels) {
+        for (std::size_t c = 0; c < channels; ++c) {
+            const std::size_t i = first + c;
+            if (problem.state[i] != ReadingState::used) continue;
+            vv += shape[i] * shape[i];
+            vy += shape[i] * (problem.measured()[i] - floor[c]);
+        }
     }
     p.shared[index_ln_weight] = std::log(vv > 0 && vy > 0 ? vy / vv : 1e-6);
-    for (std::size_t c = 0; c < problem.channels(); ++c)
+    for (std::size_t c = 0; c < channels; ++c)
         p.shared[index_pedestal + static_cast<int>(c)] = floor[c];
 }
 
@@ -219,8 +222,8 @@ std::vector<FitParameters> starting_points(const ScanSet& scans, const FitProble
     for (int i = 0; i < count; ++i) {
         const Variant& v = variants[static_cast<std::size_t>(i) % std::size(variants)];
         // Beyond the list: the same again, half as far.
-        const double widen =
-            std::pow(v.widen, 1.0 / (1 + i / static_cast<int>(std::size(variants))));
+        const int round_of_list = i / static_cast<int>(std::size(variants));
+        const double widen = std::pow(v.widen, 1.0 / (1 + round_of_list));
         const LobeStart lobe = lobe_through(curves, axis, v.round);
         FitParameters p = problem.start();
         p.shared[index_ln_mu_deg] = lobe.ln_mu_deg + std::log(widen);

@@ -110,7 +110,8 @@ class Header {
         }
         const bool first =
             values_
-                .try_emplace(key, std::string(trim(comment.substr(colon + 1))), place(where_, line))
+                .try_emplace(key, HeaderValue{std::string(trim(comment.substr(colon + 1))),
+                                              place(where_, line)})
                 .second;
         if (!first && key != "note") {
             throw InputError(place(where_, line), key, "stated twice", "each key once");

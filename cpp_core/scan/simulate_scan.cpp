@@ -137,6 +137,7 @@ std::vector<ScanRow> receive_rows(const ScanProtocol& p, double incidence_deg) {
     if (p.dense_within_deg < 180) sweep(first, last, p.coarse_step_deg, false);
     std::sort(angles.begin(), angles.end());
     std::vector<ScanRow> rows;
+    rows.reserve(angles.size());
     for (const double angle : angles) rows.push_back({angle, 0, 0});
     return rows;
 }
