@@ -36,14 +36,12 @@ std::vector<RadiusNode> radius_nodes(double a, double b, int rings) {
     constexpr int steps = 2000;
     const double most = a + b;
     std::vector<double> s(steps), weight(steps);
-    double total = 0;
     for (int i = 0; i < steps; ++i) {
         const double r = most * (i + 0.5) / steps;
         const auto at = static_cast<std::size_t>(i);
         s[at] = r * r / (most * most);
         // One disc alone has a constant density.
         weight[at] = r * (std::min(a, b) > 0 ? shared_area(a, b, r) : 1.0);
-        total += weight[at];
     }
     Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(rings, rings);
     std::vector<double> before(steps, 0.0), now(steps, 1.0);
