@@ -130,7 +130,11 @@ def _light_entries() -> list[tuple[str, str, str]]:
     built_in = (
         []
         if native.problem()
-        else [(s["name"], s["title"], s["source"]) for s in native.core().lights()]
+        else [
+            # A closed menu shows the beginning only; the name says "CIE" to whom it does.
+            (s["name"], f"{s['name']}: {s['title'].split(', CIE')[0]}", s["source"])
+            for s in native.core().lights()
+        ]
     )
     return [
         automatic,

@@ -7,11 +7,12 @@ import bpy
 from .. import properties
 from ..core import native, spectrum_spec
 
+# Property and label: the properties' own names are too long for a sidebar.
 _FIELD = {
-    spectrum_spec.BLACKBODY: "blackbody_k",
-    spectrum_spec.DAYLIGHT: "daylight_k",
-    spectrum_spec.LINE: "line_nm",
-    spectrum_spec.CSV: "csv_path",
+    spectrum_spec.BLACKBODY: ("blackbody_k", "Kelvin"),
+    spectrum_spec.DAYLIGHT: ("daylight_k", "Kelvin"),
+    spectrum_spec.LINE: ("line_nm", "Line (nm)"),
+    spectrum_spec.CSV: ("csv_path", "File"),
 }
 
 
@@ -23,7 +24,8 @@ def draw_spectrum(
     layout.prop(settings, "choice")
     field = _FIELD.get(settings.kind)
     if field is not None:
-        layout.prop(settings, field)
+        name, label = field
+        layout.prop(settings, name, text=label)
     if settings.kind == spectrum_spec.CSV and not settings.csv_path:
         layout.label(text=f"No file is chosen: {in_use} is used", icon="ERROR")
     elif settings.kind == spectrum_spec.AUTOMATIC:

@@ -83,9 +83,9 @@ def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
     layout.use_property_split = True
     layout.use_property_decorate = False
     layout.prop(settings, "node_spectrum")
-    row = layout.row(align=True)
-    row.operator("material.togishi_nodes_connect", text="Bake", icon="NODETREE")
-    row.operator("material.togishi_nodes_bake_for_scene", text="For the Scene")
+    column = layout.column(align=True)
+    column.operator("material.togishi_nodes_connect", text="Bake", icon="NODETREE")
+    column.operator("material.togishi_nodes_bake_for_scene", text="Bake for the Scene's Light")
     if not steel_group.has_groups(material):
         return
     costs = bake_cost_cache.read(material)
@@ -97,7 +97,9 @@ def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
         column.label(text="Colour error under other lights, worst ΔE00:")
         grid = column.grid_flow(columns=2, even_columns=True)
         for name, cost in costs.items():
-            grid.label(text=f"{name}: {cost:.2f}", icon="ERROR" if cost > 1.0 else "CHECKMARK")
+            cell = grid.row()
+            cell.alert = cost > 1.0  # what an eye may see
+            cell.label(text=f"{name}: {cost:.2f}")
     if (
         settings.shape_image is None
         and max(part_aspects(properties.material_dict(material)).values()) > MAX_ASPECT
