@@ -1,5 +1,5 @@
 """Pictures of all that Togishi shows in a window, for people to look at: panels as they first appear and opened,
-the redo panel, dialogs, the menu entry, the preferences, a tooltip.
+the redo panel, dialogs, the menu entry, a bake and a fit under way, a fit and its plot, tooltips, the preferences.
 
     blender --factory-startup --enable-event-simulate --python pictures.py -- --zip Z --out DIR --console FILE
 The window should be tall, so that long panels fit.
@@ -16,6 +16,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import bpy
+import numpy as np
 import screen
 from console import Console, options
 from screen import Steps
@@ -58,6 +59,92 @@ def properties_tab(shots: screen.Shots, tab: str, name: str) -> Steps:
     yield from shots.area(area, name)
 
 
+def hover(shots: screen.Shots, name: str, region: bpy.types.Region, from_top: int) -> Steps:
+    """The tooltip of what lies in the middle of a region, so many px below its upper border; one must come up."""
+    window, result = screen.window(), []
+    at = (region.x + region.width // 2, region.y + region.height - from_top)
+    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0] - 9, y=at[1])
+    yield 0.2
+    size = (window.width, window.height)
+    yield from shots.take(f"{name}_before", (0, 0), size, result)
+    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0], y=at[1])
+    yield 2.0
+    yield from shots.take(name, (0, 0), size, result, keep=True)
+    # The tooltip lies outside what the mouse highlights.
+    changed = np.abs(result[1].astype(int) - result[0]).max(axis=2) > 8
+    if int(changed.sum()) < 4000:
+        raise AssertionError(f"{name}: no tooltip at {at}: {int(changed.sum())} px changed")
+
+
+def baking(shots: screen.Shots) -> Steps:
+    """A bake under way: its share in the status bar, the button greyed, and why."""
+    pattern = bpy.context.active_object.active_material.togishi.pattern
+    kept = (pattern.width_px, pattern.height_px)
+    pattern.width_px, pattern.height_px = 16384, 4096
+    with screen.override(view()):
+        bpy.ops.material.togishi_pattern_bake("INVOKE_DEFAULT")
+    jobs = importlib.import_module(f"{EXTENSION}.background_job")
+    yield from screen.until(
+        lambda: any(job.share > 0.02 for job in jobs.running()), 60.0, "the bake's share"
+    )
+    yield from hover(shots, "baking", screen.region_of(view(), "UI"), BAKE_BUTTON_PX)
+    yield from screen.press("ESC", screen.centre(view()))
+    yield from screen.until(lambda: not jobs._running, 60.0, "the end of the bake")
+    pattern.width_px, pattern.height_px = kept
+    yield from settle(0.5)
+
+
+def measurement(shots: screen.Shots) -> Steps:
+    """Scans are chosen and fitted; the panel with the fits, and a plot."""
+    core = importlib.import_module(f"{EXTENSION}.core.native").core()
+    files = []
+    for part in ("ji", "hamon"):
+        scans = core.simulate_scan(core.default_material(), part, {"step_deg": 0.1})
+        files.append(OPTIONS.out / f"scan_{part}.csv")
+        files[-1].write_text(scans.to_text(), encoding="utf-8")
+    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
+    with screen.override(view()):
+        bpy.ops.scene.togishi_measurement_fit("INVOKE_DEFAULT", filepath=f"{OPTIONS.out}/")
+    yield from settle(1.5)
+    yield from shots.everything("fit_files")
+    browser = screen.areas("FILE_BROWSER")[0]
+    yield from screen.press("ESC", screen.centre(browser))
+    yield from settle(1.0)
+    with screen.override(view()):
+        bpy.ops.scene.togishi_measurement_fit(
+            filepath=str(files[0]),
+            directory=str(OPTIONS.out),
+            files=[{"name": file.name} for file in files],
+        )
+    kept = bpy.context.scene.togishi_measurement
+    yield from screen.until(lambda: len(kept.fits) == len(files), 120.0, "the fits")
+    yield from settle(1.0)
+    yield from shots.region(screen.region_of(view(), "UI"), "sidebar_fit", [], keep=True)
+    for plot in ("scans", "mu_eff"):
+        with screen.override(view()):
+            bpy.ops.scene.togishi_measurement_show(index=0, plot=plot)
+        yield from settle(1.5)
+        yield from shots.everything(f"fit_plot_{plot}")
+        for other in list(bpy.context.window_manager.windows)[1:]:
+            with bpy.context.temp_override(window=other):
+                bpy.ops.wm.window_close()
+        yield from settle(0.5)
+    for file in files:
+        file.unlink()
+
+
+# Below the upper border of their regions, with all panels open.
+BAKE_BUTTON_PX, TEXELS_PX, LOBE_PX = 418, 391, 330
+
+
+def tooltips(shots: screen.Shots) -> Steps:
+    yield from hover(shots, "tooltip", screen.region_of(view(), "UI"), TEXELS_PX)
+    area = screen.areas("PROPERTIES")[0]
+    area.spaces.active.context = "MATERIAL"
+    yield from settle()
+    yield from hover(shots, "tooltip_lobe", screen.region_of(area), LOBE_PX)
+
+
 def pictures() -> Steps:
     bpy.ops.extensions.package_install_files(
         filepath=str(OPTIONS.zip), repo="user_default", enable_on_install=True
@@ -97,6 +184,7 @@ def pictures() -> Steps:
     blade = bpy.context.active_object
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.location, camera.rotation_euler = (0.4, 1.5, 0.0), (1.5708, 0.0, 3.14159)
+    camera.data.display_size = 0.05
     scene.collection.objects.link(camera)
     scene.camera = camera
     with screen.override(view()):
@@ -151,13 +239,7 @@ def pictures() -> Steps:
     yield from properties_tab(shots, "DATA", "camera")
     bpy.context.view_layer.objects.active = blade
 
-    # A bake under way, and dialogs.
-    with screen.override(view()):
-        bpy.ops.material.togishi_pattern_bake("INVOKE_DEFAULT")
-    yield 0.6
-    yield from shots.everything("baking")
-    yield from screen.press("ESC", screen.centre(view()))
-    yield from settle(0.5)
+    yield from baking(shots)
     screen.window().event_simulate(
         type="MOUSEMOVE", value="NOTHING", x=screen.window().width // 2, y=700
     )
@@ -167,15 +249,8 @@ def pictures() -> Steps:
     yield from settle(0.8)
     yield from shots.everything("edit_dialog")
     yield from screen.press("ESC", screen.centre(view()))
-
-    # A tooltip: the mouse rests on a setting of the sidebar.
-    region = screen.region_of(view(), "UI")
-    at = (region.x + region.width // 2, region.y + region.height - 230)
-    screen.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0], y=at[1])
-    yield 0.1
-    screen.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0] + 2, y=at[1])
-    yield 2.0
-    yield from shots.everything("tooltip")
+    yield from measurement(shots)
+    yield from tooltips(shots)
 
     # Preferences, in the place of the view.
     area = view()
