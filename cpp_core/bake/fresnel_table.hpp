@@ -9,6 +9,7 @@
 // gamut.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -23,20 +24,40 @@ inline constexpr std::size_t default_table_size = 64;
 inline constexpr std::size_t min_table_size = 2;
 inline constexpr std::size_t max_table_size = 4096;
 
-/// F of one metal at every row of a table and the 61 wavelengths: all that does not depend on the
-/// light.
+/// How the rows of a table are made.
+enum class TableRows : std::uint8_t {
+    /// Up to exact_table_size: every row. Beyond: a polynomial in cos(theta), where it holds F to
+    /// 1e-8, as it does for metals; every row where it does not (an index near 1 without
+    /// absorption).
+    fast,
+    every_row,  ///< each row by its own sum
+};
+
+inline constexpr std::size_t exact_table_size = 64;
+/// Chebyshev points of the polynomial, cos(theta) = 0 and 1 among them. The built-in metals' F is
+/// within 3e-10 of it, which a float does not show.
+inline constexpr std::size_t table_nodes = 28;
+
+/// F of one metal at the 61 wavelengths: all that does not depend on the light.
 class MetalReflectance {
   public:
-    /// size: rows, min_table_size to max_table_size. Throws InputError.
-    MetalReflectance(const RefractiveIndex& on_61, std::size_t size);
+    /// size: rows of the table, min_table_size to max_table_size. Throws InputError.
+    MetalReflectance(const RefractiveIndex& on_61, std::size_t size,
+                     TableRows rows = TableRows::fast);
 
+    /// Rows of the table.
     [[nodiscard]] std::size_t size() const { return size_; }
-    [[nodiscard]] std::span<const double> row(std::size_t i) const {
+    /// Where F is known: at each row of the table, or at the nodes of its polynomial.
+    [[nodiscard]] std::size_t samples() const { return reflectance_.size() / grid_61.count; }
+    [[nodiscard]] bool by_polynomial() const { return by_polynomial_; }
+    /// i < samples(); the last is normal incidence.
+    [[nodiscard]] std::span<const double> sample(std::size_t i) const {
         return {reflectance_.data() + i * grid_61.count, grid_61.count};
     }
 
   private:
     std::size_t size_;
+    bool by_polynomial_;
     std::vector<double> reflectance_;
 };
 

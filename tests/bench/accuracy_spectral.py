@@ -22,6 +22,10 @@ from bench_rows import (
 )
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "addon"))
+
+from togishi.core.shader_source import TABLE_SIZE  # noqa: E402
+
 PROGRAM = REPOSITORY / "build/release/tests/bench/bench_spectral"
 
 WHAT = {
@@ -33,6 +37,10 @@ WHAT = {
     "rgb_nk": "n and k as RGB (weighed under D65), three Fresnel terms times the light's RGB",
     "schlick": "Schlick's curve from F0 as RGB (under D65), times the light's RGB",
     "d65_table_rgb_light": "a table baked under D65, times the light's RGB over D65's",
+    "table_512_float": "the viewport's table: 512 entries by sqrt(cos theta), F from a polynomial through 28 Chebyshev "
+    "points of cos theta, in float (its bake: bake.table_us)",
+    "table_512_every_row": "512 entries by sqrt(cos theta), each by its own sum, in float (its bake: "
+    "bake.table_every_row_us)",
 }
 
 
@@ -76,9 +84,16 @@ def rows_of(measured: dict[str, Any], rounds: int) -> list[Row]:
             "bake.table_us",
             measured["table_us"],
             "us",
-            f"64 entries x 61 wavelengths from a light's new temperature on, n and k kept; one core, median and "
-            f"quartiles of {10 * rounds}",
+            f"the viewport's {TABLE_SIZE} entries x 61 wavelengths from a light's new temperature on, n and k kept; "
+            f"one core, median and quartiles of {10 * rounds}",
             100.0,
+        ),
+        time_row(
+            "bake.table_every_row_us",
+            measured["table_every_row_us"],
+            "us",
+            "the same with every entry by its own sum over the wavelengths, as it would be without the polynomial",
+            None,
         ),
         time_row(
             "bake.light_change_us",
@@ -115,7 +130,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = command_line(__doc__ or "").parse_args(arguments)
     rounds = 5 if options.quick else 101
     try:
-        command = [str(bench_program(PROGRAM, "TOGISHI_BENCH_SPECTRAL")), str(rounds)]
+        command = [
+            str(bench_program(PROGRAM, "TOGISHI_BENCH_SPECTRAL")),
+            str(rounds),
+            str(TABLE_SIZE),
+        ]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise ResultsError(

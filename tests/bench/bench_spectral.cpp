@@ -135,7 +135,7 @@ Evaluate rgb_n_k(const Pair& pair) {
 
 Evaluate schlick(const Pair& pair) {
     const MetalReflectance metal(pair.metal->at(grid_61), 2);
-    const glm::vec3 f0 = rgb_under_d65(pair, metal.row(1));
+    const glm::vec3 f0 = rgb_under_d65(pair, metal.sample(1));
     return [f0, light = light_rgb(pair)](std::span<const float> cosines, glm::vec3* rgb) {
         for (const float c : cosines) {
             const float m = 1.0F - c;
@@ -145,8 +145,9 @@ Evaluate schlick(const Pair& pair) {
     };
 }
 
-std::vector<glm::vec3> table_of(const Pair& pair, const Light& light, std::size_t size) {
-    const MetalReflectance metal(pair.metal->at(grid_61), size);
+std::vector<glm::vec3> table_of(const Pair& pair, const Light& light, std::size_t size,
+                                TableRows rows = TableRows::fast) {
+    const MetalReflectance metal(pair.metal->at(grid_61), size, rows);
     const auto flat =
         fresnel_table(metal, colour_weights(light, *pair.observer), pair.rgb_from_xyz);
     std::vector<glm::vec3> table(size);
@@ -214,6 +215,13 @@ std::vector<Method> methods() {
                            return half_table(table_of(pair, *pair.light, size));
                        }});
     }
+    all.push_back({"table_512_float", [](const Pair& pair) {
+                       return float_table(table_of(pair, *pair.light, 512), glm::vec3(1.0F));
+                   }});
+    all.push_back({"table_512_every_row", [](const Pair& pair) {
+                       return float_table(table_of(pair, *pair.light, 512, TableRows::every_row),
+                                          glm::vec3(1.0F));
+                   }});
     return all;
 }
 
@@ -364,27 +372,38 @@ std::vector<Timing> time_methods(const std::vector<Method>& all, int rounds, flo
     return timings;
 }
 
-// A 64-entry table from a light's new temperature on, with the metal's n and k kept; and the same
-// through the product's entry point, which keeps the metal's reflectance too.
-std::pair<Timing, Timing> time_bake(int rounds, float& sink) {
+struct BakeTimings {
+    Timing whole;         // from a light's new temperature on, the metal's n and k kept
+    Timing every_row;     // the same without the polynomial
+    Timing light_change;  // through the product's entry point, which keeps the metal's reflectance
+};
+
+// A table of `size` rows, as the viewport asks for it when a light changes.
+BakeTimings time_bake(std::size_t size, int rounds, float& sink) {
     const auto index = find_metal(default_metal)->at(grid_61);
     const auto observer = find_observer(default_observer);
     const auto& space = find_colour_space(default_colour_space);
     std::vector<double> whole_us;
-    std::vector<double> light_only_us;
+    std::vector<double> every_row_us;
+    std::vector<double> light_change_us;
     for (int round = 0; round < rounds * 10; ++round) {
         const std::string light = "daylight:" + std::to_string(4000 + round % 5000);
-        whole_us.push_back(
-            1e6 * seconds_of([&] {
-                const auto weights = colour_weights(*find_light(light), *observer);
-                sink +=
-                    fresnel_table(MetalReflectance(index, 64), weights, space.rgb_from_xyz).back();
-            }));
+        auto bake_us = [&](TableRows rows) {
+            return 1e6 * seconds_of([&] {
+                       const auto weights = colour_weights(*find_light(light), *observer);
+                       const MetalReflectance metal(index, size, rows);
+                       sink += fresnel_table(metal, weights, space.rgb_from_xyz).back();
+                   });
+        };
+        whole_us.push_back(bake_us(TableRows::fast));
+        every_row_us.push_back(bake_us(TableRows::every_row));
         FresnelTableRequest request;
         request.light = light;
-        light_only_us.push_back(1e6 * seconds_of([&] { sink += fresnel_table(request).back(); }));
+        request.size = size;
+        light_change_us.push_back(1e6 * seconds_of([&] { sink += fresnel_table(request).back(); }));
     }
-    return {quartiles(std::move(whole_us)), quartiles(std::move(light_only_us))};
+    return {quartiles(std::move(whole_us)), quartiles(std::move(every_row_us)),
+            quartiles(std::move(light_change_us))};
 }
 
 void print_worst(const char* key, const Worst& w) {
@@ -399,8 +418,11 @@ void print_timing(const char* key, const Timing& t) {
 
 }  // namespace
 
+// bench_spectral [ROUNDS [ROWS]]: ROWS of the viewport's table, which the caller knows.
 int main(int argc, char** argv) {
     const int rounds = argc > 1 ? std::max(3, std::atoi(argv[1])) : 31;
+    const std::size_t rows =
+        argc > 2 ? static_cast<std::size_t>(std::atoi(argv[2])) : default_table_size;
     const auto all = methods();
     Comparison comparison;
     comparison.under_lights.resize(all.size());
@@ -424,15 +446,17 @@ int main(int argc, char** argv) {
     }
     float sink = 0.0F;
     const auto timings = time_methods(all, rounds, sink);
-    const auto [whole, light_only] = time_bake(rounds, sink);
+    const auto bake = time_bake(rows, rounds, sink);
     if (!std::isfinite(sink)) return 1;
 
     std::printf("{\n ");
     print_worst("grid", comparison.grid);
     std::printf(",\n ");
-    print_timing("table_us", whole);
+    print_timing("table_us", bake.whole);
     std::printf(",\n ");
-    print_timing("light_change_us", light_only);
+    print_timing("table_every_row_us", bake.every_row);
+    std::printf(",\n ");
+    print_timing("light_change_us", bake.light_change);
     std::printf(",\n \"methods\": {\n");
     for (std::size_t m = 0; m < all.size(); ++m) {
         std::printf("  \"%s\": {", all[m].name.c_str());

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "bake/half.hpp"
@@ -88,6 +89,84 @@ TEST(FresnelTable, BetweenTexelsFourInTenThousand) {
         EXPECT_LE(worst, 4e-4) << light;
         EXPECT_LE(worst_half, 8e-4) << light;
     }
+}
+
+// The largest difference between the rows of a table and each row's own sum, over the largest of
+// the row's components.
+double polynomial_error(const RefractiveIndex& index, const ColourWeights& weights,
+                        std::size_t size) {
+    const auto& rgb_from_xyz = find_colour_space(default_colour_space).rgb_from_xyz;
+    const auto fast = fresnel_table(MetalReflectance(index, size), weights, rgb_from_xyz);
+    const auto exact =
+        fresnel_table(MetalReflectance(index, size, TableRows::every_row), weights, rgb_from_xyz);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+        double scale = 0.0;
+        double off = 0.0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto value = static_cast<double>(exact[3 * i + c]);
+            scale = std::max(scale, std::abs(value));
+            off = std::max(off, std::abs(static_cast<double>(fast[3 * i + c]) - value));
+        }
+        worst = std::max(worst, off / scale);
+    }
+    return worst;
+}
+
+TEST(FresnelTable, LargeTablesShowNothingOfTheirPolynomial) {
+    // The last bit of a float is 1.2e-7 of its value.
+    std::vector<std::string> lights = {"E",
+                                       "D65",
+                                       "A",
+                                       "FL11",
+                                       "LED-B3",
+                                       "LED-RGB1",
+                                       "HPS",
+                                       "LPS",
+                                       "daylight:4000",
+                                       "daylight:25000",
+                                       "blackbody:2000"};
+    for (int nm = 400; nm <= 700; nm += 20) lights.push_back("line:" + std::to_string(nm));
+    const auto observer = find_observer(default_observer);
+    for (const auto& metal : builtin_metals()) {
+        const auto index = metal->at(grid_61);
+        ASSERT_TRUE(MetalReflectance(index, 512).by_polynomial()) << metal->name();
+        for (const auto& light : lights) {
+            const auto weights = colour_weights(*find_light(light), *observer);
+            EXPECT_LE(polynomial_error(index, weights, 512), 1.5e-7)
+                << metal->name() << " " << light;
+        }
+    }
+    const auto iron = find_metal(default_metal)->at(grid_61);
+    const auto d65 = colour_weights(*find_light("D65"), *observer);
+    for (const std::size_t size : {std::size_t{65}, std::size_t{100}, max_table_size})
+        EXPECT_LE(polynomial_error(iron, d65, size), 1.5e-7) << size;
+}
+
+TEST(FresnelTable, SmallTablesAndBentCurvesHaveEveryRowOfTheirOwn) {
+    const auto iron = find_metal(default_metal)->at(grid_61);
+    EXPECT_FALSE(MetalReflectance(iron, exact_table_size).by_polynomial());
+    EXPECT_TRUE(MetalReflectance(iron, exact_table_size + 1).by_polynomial());
+    auto uniform = [](double n, double k) {
+        RefractiveIndex index;
+        index.n.assign(grid_61.count, n);
+        index.k.assign(grid_61.count, k);
+        return index;
+    };
+    // Air against air is black but for grazing light; the second has a critical angle; the others
+    // bend beside grazing light, or have no limit.
+    const auto weights = colour_weights(*find_light("D65"), *find_observer(default_observer));
+    for (const auto& [n, k] : {std::pair{1.0, 0.0}, std::pair{0.5, 0.0}, std::pair{1.001, 0.001},
+                               std::pair{1e4, 1e4}, std::pair{0.0, 0.0}, std::pair{1.0, 0.1}}) {
+        const auto index = uniform(n, k);
+        EXPECT_LE(polynomial_error(index, weights, 512), 5e-7) << n << " " << k;
+    }
+    EXPECT_FALSE(MetalReflectance(uniform(1.0, 0.0), 512).by_polynomial());
+    EXPECT_FALSE(MetalReflectance(uniform(0.5, 0.0), 512).by_polynomial());
+    auto one_bent = iron;
+    one_bent.n[30] = 1.0;
+    one_bent.k[30] = 0.0;
+    EXPECT_FALSE(MetalReflectance(one_bent, 512).by_polynomial());
 }
 
 TEST(FresnelTable, SizesAndNamesAreChecked) {
