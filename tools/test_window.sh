@@ -123,8 +123,8 @@ in_window() {
 }
 
 run_lifecycle() { in_window lifecycle 1800 1280 800 lifecycle.py; }
-run_pictures() { in_window pictures 600 1800 1400 pictures.py; }
-run_failure() { in_window failure 120 1000 700 failure.py; }
+run_pictures() { in_window pictures 1200 1800 1400 pictures.py; }
+run_failure() { in_window failure 300 1000 700 failure.py; }
 run_command() {
     say "command line"
     (inside bash /tmp/tests/window/command_line.sh) || fail "blender --command togishi: see above."
