@@ -7,6 +7,7 @@ import bpy
 from .. import blade_object, properties
 from ..core import native
 from ..core.fit_table import TARGETS, fit_table
+from .sentences import draw_sentence
 
 
 def draw_table(layout: bpy.types.UILayout, record_json: str) -> None:
@@ -18,9 +19,10 @@ def draw_table(layout: bpy.types.UILayout, record_json: str) -> None:
         grid.label(text=row.value, icon="NONE" if row.determined else "ERROR")
     for row in table.rows:
         if row.reason:
-            box.label(text=f"{row.label}: {row.reason}", icon="INFO" if row.determined else "ERROR")
+            icon = "INFO" if row.determined else "ERROR"
+            draw_sentence(box, f"{row.label}: {row.reason}", icon)
     for sentence in (*table.summary, *table.notes):
-        box.label(text=sentence)
+        draw_sentence(box, sentence)
 
 
 class TOGISHI_PT_view_measurement(bpy.types.Panel):

@@ -6,6 +6,7 @@ import bpy
 
 from .. import properties
 from ..core import native, spectrum_spec
+from .sentences import draw_sentence
 
 # Property and label: the properties' own names are too long for a sidebar.
 _FIELD = {
@@ -27,7 +28,7 @@ def draw_spectrum(
         name, label = field
         layout.prop(settings, name, text=label)
     if settings.kind == spectrum_spec.CSV and not settings.csv_path:
-        layout.label(text=f"No file is chosen: {in_use} is used", icon="ERROR")
+        draw_sentence(layout, f"No file is chosen: {in_use} is used", "ERROR")
     elif settings.kind == spectrum_spec.AUTOMATIC:
         layout.label(text=f"{in_use} is used", icon="INFO")
 
@@ -46,7 +47,7 @@ class TOGISHI_PT_light(bpy.types.Panel):
         layout = self.layout
         draw_spectrum(layout, context.light.togishi, properties.light_spectrum(context.light))
         if context.light.type == "AREA":
-            layout.label(text="Togishi draws it as a point light", icon="ERROR")
+            draw_sentence(layout, "Togishi draws it as a point light", "ERROR")
 
 
 class TOGISHI_PT_world(bpy.types.Panel):

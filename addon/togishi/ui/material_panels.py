@@ -9,6 +9,7 @@ from ..core import native
 from ..core.blade_lobes import part_aspects
 from ..nodes import steel_group
 from ..nodes.lobe_nodes import MAX_ASPECT
+from .sentences import draw_sentence
 
 
 def _lobe_row(layout: bpy.types.UILayout) -> tuple[bpy.types.UILayout, bpy.types.UILayout]:
@@ -91,10 +92,9 @@ def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
     costs = bake_cost_cache.read(material)
     column = layout.column(align=True)
     if costs is None:
-        column.label(text="Bake to see what one light's", icon="INFO")
-        column.label(text="colours cost under others.", icon="BLANK1")
+        draw_sentence(column, "Bake to see what one light's colours cost under others", "INFO")
     else:
-        column.label(text="Colour error under other lights, worst ΔE00:")
+        draw_sentence(column, "Colour error under other lights, worst ΔE00:")
         grid = column.grid_flow(columns=2, even_columns=True)
         for name, cost in costs.items():
             cell = grid.row()
@@ -104,7 +104,7 @@ def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
         settings.shape_image is None
         and max(part_aspects(properties.material_dict(material)).values()) > MAX_ASPECT
     ):
-        layout.label(text="EEVEE shows lobes longer than 10:1 wider than they are", icon="ERROR")
+        draw_sentence(layout, "EEVEE shows lobes longer than 10:1 wider than they are", "ERROR")
 
 
 class _MaterialPanel:
@@ -147,9 +147,9 @@ class TOGISHI_PT_material_lobes(_MaterialPanel, bpy.types.Panel):
         settings = context.material.togishi
         layout = self.layout
         if settings.lobes_image is not None:
-            column = layout.column(align=True)
-            column.label(text="The maps decide where there are maps.", icon="INFO")
-            column.label(text="Bake after a change.", icon="BLANK1")
+            draw_sentence(
+                layout, "The maps decide where there are maps: bake after a change", "INFO"
+            )
         draw_lobe_header(layout)
         for name, label, constant in properties.LOBE_PARTS:
             draw_lobe(layout, settings, name, label, constant)

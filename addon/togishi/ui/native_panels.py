@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import bpy
 
 from .. import graphics
 from ..core import native
+from .sentences import draw_sentence
 
 
 def problem() -> str:
     """Why Togishi cannot be used, or why its engine cannot draw, and what to do; "" when all is well."""
     # Without a window there may be no GPU context to ask; nobody reads panels there.
     return native.problem() or ("" if bpy.app.background else graphics.problem())
-
-
-def draw_problem(layout: bpy.types.UILayout, width: int = 40) -> None:
-    column = layout.box().column(align=True)
-    column.scale_y = 0.8  # lines of one sentence
-    lines = textwrap.wrap(problem(), width)
-    for index, line in enumerate(lines):
-        column.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 
 
 class TOGISHI_PT_problem(bpy.types.Panel):
@@ -34,8 +25,8 @@ class TOGISHI_PT_problem(bpy.types.Panel):
     def poll(cls, _context: bpy.types.Context) -> bool:
         return bool(problem())
 
-    def draw(self, context: bpy.types.Context) -> None:
-        draw_problem(self.layout, max(24, context.region.width // 8) if context.region else 40)
+    def draw(self, _context: bpy.types.Context) -> None:
+        draw_sentence(self.layout.box(), problem(), icon="ERROR")
 
 
 CLASSES = (TOGISHI_PT_problem,)

@@ -1,0 +1,49 @@
+"""Sentences in panels are whole: Blender would cut a label that is wider than its region."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+from ui_fixtures import addon  # noqa: F401
+
+SENTENCE = (
+    "μ narrow: the scans do not reach the lobe's flank; measure to 20° beyond the mirror angle"
+)
+
+
+class Layout:
+    def __init__(self):
+        self.rows = []
+
+    def column(self, **_options):
+        return self
+
+    def label(self, text, icon):
+        self.rows.append((text, icon))
+
+
+@pytest.mark.parametrize("width_px", [1, 60, 150, 400, 4000])
+def test_lines_fit_and_lose_nothing(addon, width_px):  # noqa: F811
+    from togishi.ui import sentences
+
+    lines = sentences._lines(SENTENCE, width_px, 11.0)
+    assert " ".join(lines) == SENTENCE
+    sentences.blf.size(0, 11.0)
+    assert all(
+        " " not in line or sentences.blf.dimensions(0, line)[0] <= width_px for line in lines
+    )
+    assert (len(lines) == 1) == (width_px == 4000)
+
+
+def test_the_icon_stands_before_the_first_line_only(addon):  # noqa: F811
+    from togishi.ui import sentences
+
+    assert bpy.app.background
+    layout = Layout()
+    sentences.draw_sentence(layout, SENTENCE, "ERROR")
+    assert " ".join(text for text, _icon in layout.rows) == SENTENCE
+    assert [icon for _text, icon in layout.rows] == ["ERROR"] + ["BLANK1"] * (len(layout.rows) - 1)
+    assert len(layout.rows) > 2
+    plain = Layout()
+    sentences.draw_sentence(plain, SENTENCE)
+    assert {icon for _text, icon in plain.rows} == {"NONE"}
