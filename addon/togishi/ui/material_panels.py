@@ -189,10 +189,29 @@ class TOGISHI_PT_material_nodes(_MaterialPanel, bpy.types.Panel):
         draw_nodes(self.layout, context.material)
 
 
+class TOGISHI_PT_material_source(_MaterialPanel, bpy.types.Panel):
+    bl_label = "Source"
+    bl_parent_id = "TOGISHI_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        settings = context.material.togishi
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("title", "source", "licence"):
+            layout.prop(settings, name)
+        # The field above shows its beginning only.
+        draw_sentence(
+            layout, settings.source or "Where these values come from is not stated", "INFO"
+        )
+
+
 CLASSES = (
     TOGISHI_PT_material,
     TOGISHI_PT_material_lobes,
     TOGISHI_PT_material_pattern,
     TOGISHI_PT_material_pattern_more,
     TOGISHI_PT_material_nodes,
+    TOGISHI_PT_material_source,
 )
