@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes the package of the last commit twice, in two clones of different paths, and compares the bytes.
 # check_reproducible.sh [make_package.py's options]; without any: zig, Python 3.11 and 3.13. Some 10 minutes.
+# The package is then in dist/, with nothing in it that is not committed.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . tools/say.sh
@@ -17,4 +18,5 @@ for folder in one another/and/longer; do
 done
 (cd "$work" && sha256sum one/dist/*.zip another/and/longer/dist/*.zip)
 cmp "$work"/one/dist/*.zip "$work"/another/and/longer/dist/*.zip || fail "the two packages differ."
-say "the same bytes from two folders"
+mkdir -p dist && cp "$work"/one/dist/*.zip dist/
+say "the same bytes from two folders: $(basename "$work"/one/dist/*.zip), now in dist"
