@@ -1,0 +1,86 @@
+#include "capture/pixel_result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "brdf/model.hpp"
+
+namespace togishi {
+namespace {
+
+constexpr double rad_per_deg = 0.017453292519943295769;
+
+constexpr std::size_t packed(int i, int j) {
+    return static_cast<std::size_t>(i * max_unknowns - i * (i - 1) / 2 + (j - i));
+}
+
+}  // namespace
+
+PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const RegionLights& region,
+                         const PixelKernelOptions& o) {
+    const auto x = [&](std::size_t a) { return double{block.x[a][lane]}; };
+    const auto cov = [&](int a, int b) { return double{block.covariance[packed(a, b)][lane]}; };
+    PixelResult r{};
+    const double p = x(tilt_u), q = x(tilt_v), phi = std::hypot(p, q) * rad_per_deg;
+    // Along the geodesic from the region's normal, and the region's tangent carried with it.
+    const glm::dvec3 along = phi > 0
+                                 ? (p * region.tangent + q * region.bitangent) * (rad_per_deg / phi)
+                                 : region.tangent;
+    const glm::dvec3 normal = glm::normalize(std::cos(phi) * region.normal + std::sin(phi) * along);
+    const double share = glm::dot(region.tangent, along);
+    const glm::dvec3 carried =
+        region.tangent + share * ((std::cos(phi) - 1) * along - std::sin(phi) * region.normal);
+    const auto frame = f64::tangent_frame(normal, glm::dvec3(1, 0, 0));
+    const double turn =
+        2 * std::atan2(glm::dot(carried, frame.bitangent), glm::dot(carried, frame.tangent));
+    const double e1 = x(shape_e1), e2 = x(shape_e2), shape = std::hypot(e1, e2);
+    r.normal = glm::vec3(normal);
+    r.ln_mu_deg = static_cast<float>(x(ln_mu_deg));
+    r.e1 = static_cast<float>(e1 * std::cos(turn) - e2 * std::sin(turn));
+    r.e2 = static_cast<float>(e1 * std::sin(turn) + e2 * std::cos(turn));
+    r.weight = std::exp(block.x[ln_chi][lane]);
+    r.diffuse = block.x[diffuse][lane];
+    const std::size_t next = 7;
+    r.pedestal = o.pedestal ? block.x[next][lane] : 0.0F;
+    r.haze = o.haze ? block.x[o.pedestal ? next + 1 : next][lane] : 0.0F;
+
+    r.used = block.used[lane];
+    r.clipped = block.clipped[lane];
+    r.rejected = block.rejected[lane];
+    const int unknowns = 7 + (o.pedestal ? 1 : 0) + (o.haze ? 1 : 0);
+    const double freedom = std::max(1.0, double{r.used} - unknowns);
+    r.chi2_reduced = static_cast<float>(block.chi2[lane] / freedom);
+
+    // Along and across the shape's own direction; a round lobe has none, and takes the larger.
+    const double c = shape > 1e-6 ? e1 / shape : 1, s = shape > 1e-6 ? e2 / shape : 0;
+    const double rr = c * c * cov(3, 3) + 2 * c * s * cov(3, 4) + s * s * cov(4, 4);
+    const double tt = s * s * cov(3, 3) - 2 * c * s * cov(3, 4) + c * c * cov(4, 4);
+    const double sr = c * cov(2, 3) + s * cov(2, 4);
+    const auto root = [](double v) { return static_cast<float>(std::sqrt(std::max(v, 0.0))); };
+    // What the fit cannot explain widens what it claims.
+    const double widen = std::max(1.0, double{r.chi2_reduced});
+    r.sigma_ln_mu_t = root(widen * (cov(2, 2) + rr + 2 * sr));
+    r.sigma_ln_mu_b = root(widen * (cov(2, 2) + rr - 2 * sr));
+    r.sigma_ln_mu = std::max(r.sigma_ln_mu_t, r.sigma_ln_mu_b);
+    r.sigma_rho_deg = static_cast<float>(std::min(
+        90.0, 0.5 * std::sqrt(std::max(widen * tt, 0.0)) / std::max(shape, 1e-6) / rad_per_deg));
+    r.sigma_normal_deg = root(widen * (cov(0, 0) + cov(1, 1)));
+    r.sigma_ln_weight = root(widen * cov(5, 5));
+
+    constexpr float most_sigma = 0.15F, most_chi2 = 9, least_samples = 6, most_rejected = 0.15F;
+    if (!(r.sigma_ln_mu <= most_sigma)) r.flags |= flag_uncertain;
+    if (!(r.chi2_reduced <= most_chi2)) r.flags |= flag_misfit;
+    if (!(block.lobe_samples[lane] >= least_samples)) r.flags |= flag_few;
+    if (block.bounded[lane] > 0) r.flags |= flag_bounded;
+    if (r.rejected > most_rejected * (r.used + r.rejected)) r.flags |= flag_rejected;
+    if (!(std::isfinite(r.ln_mu_deg) && std::isfinite(r.weight) && std::isfinite(r.e1) &&
+          std::isfinite(r.e2) && std::isfinite(r.sigma_ln_mu)) ||
+        r.used <= 0) {
+        r.flags |= flag_missing;
+    }
+    if (o.prior_weight[0] > 0) r.flags |= flag_inferred;
+    return r;
+}
+
+}  // namespace togishi
