@@ -14,10 +14,15 @@ double BladeFrame::at(const std::vector<double>& curve, double s_mm) const {
 }
 
 double BladeFrame::chart_x_mm(double s_mm, double from_ridge_mm) const {
-    return s_mm - at(skew, s_mm) * std::max(0.0, from_ridge_mm - at(mune_mm, s_mm));
+    const double beyond = from_ridge_mm - at(mune_mm, s_mm);
+    return s_mm - at(beyond < 0 ? mune_skew : skew, s_mm) * beyond;
 }
 
-double BladeFrame::distance_to_edge_mm(double x_mm, double t_mm, double s_mm) const {
+double BladeFrame::chart_y_mm(double s_mm, double from_ridge_mm) const {
+    return from_ridge_mm + at(lift_mm, s_mm);
+}
+
+double BladeFrame::distance_to_edge_mm(double x_mm, double y_mm, double s_mm) const {
     const double last = static_cast<double>(edge_mm.size() - 1);
     const double step = length_mm() / last;
     // The edge line starts at the machi; inside the fukura's curve the distance has one minimum, so
@@ -28,21 +33,23 @@ double BladeFrame::distance_to_edge_mm(double x_mm, double t_mm, double s_mm) co
         const auto k = static_cast<std::size_t>(i);
         return step * static_cast<double>(i) - nakago_mm - skew[k] * (edge_mm[k] - mune_mm[k]);
     };
+    auto point_y = [&](std::ptrdiff_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        return edge_mm[k] + lift_mm[k];
+    };
     auto squared = [&](std::ptrdiff_t i) {
         const double dx = point_x(i) - x_mm;
-        const double dt = edge_mm[static_cast<std::size_t>(i)] - t_mm;
-        return dx * dx + dt * dt;
+        const double dy = point_y(i) - y_mm;
+        return dx * dx + dy * dy;
     };
     auto to_segment = [&](std::ptrdiff_t i) {
-        const auto k = static_cast<std::size_t>(i);
         const double ax = point_x(i);
-        const double bx = point_x(i + 1);
-        const double at_ = edge_mm[k];
-        const double ex = bx - ax;
-        const double et = edge_mm[k + 1] - at_;
+        const double ay = point_y(i);
+        const double ex = point_x(i + 1) - ax;
+        const double ey = point_y(i + 1) - ay;
         const double along =
-            std::clamp(((x_mm - ax) * ex + (t_mm - at_) * et) / (ex * ex + et * et), 0.0, 1.0);
-        return std::hypot(ax + along * ex - x_mm, at_ + along * et - t_mm);
+            std::clamp(((x_mm - ax) * ex + (y_mm - ay) * ey) / (ex * ex + ey * ey), 0.0, 1.0);
+        return std::hypot(ax + along * ex - x_mm, ay + along * ey - y_mm);
     };
     std::ptrdiff_t i =
         std::clamp(static_cast<std::ptrdiff_t>((s_mm + nakago_mm) / step), machi, end);
@@ -65,11 +72,17 @@ ChartPoint BladeFrame::locate(double u, double v) const {
     v = std::clamp(v, 0.0, 1.0);
     ChartPoint p;
     p.omote = v < 0.5;
-    const double t = std::abs(v - 0.5) * chart_height_mm;
+    const double y = std::abs(v - 0.5) * chart_height_mm;
     const double x = u * length_mm() - nakago_mm;
-    // The skew is small and changes slowly: the fixed point gains two digits a step.
+    // Skew and lift are small and change slowly: the fixed point gains two digits a step. Within
+    // the open seam the ridge is the nearest.
     double s = x;
-    for (int i = 0; i < 6; ++i) s = std::clamp(x + (s - chart_x_mm(s, t)), -nakago_mm, nagasa_mm);
+    double t = y;
+    for (int i = 0; i < 6; ++i) {
+        t = std::max(0.0, y - at(lift_mm, s));
+        s = std::clamp(x + (s - chart_x_mm(s, t)), -nakago_mm, nagasa_mm);
+    }
+    t = std::max(0.0, y - at(lift_mm, s));
     p.s_mm = s;
     p.from_ridge_mm = t;
     const double edge = at(edge_mm, s);
@@ -78,7 +91,7 @@ ChartPoint BladeFrame::locate(double u, double v) const {
         p.part = t <= edge ? Part::nakago : Part::other;
         return p;
     }
-    p.from_edge_mm = t < edge ? distance_to_edge_mm(x, t, s) : 0;
+    p.from_edge_mm = t < edge ? distance_to_edge_mm(x, t + at(lift_mm, s), s) : 0;
     const bool kissaki = s > yokote_s_mm;
     if (t > edge) {
         p.part = Part::other;

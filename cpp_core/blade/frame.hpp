@@ -3,12 +3,12 @@
 // The chart is the developed surface: u runs from the nakago's end to the tip, v across. The mune
 // ridge is v = 0.5; omote lies below it (v -> 0 towards its edge line), ura above (v -> 1 towards
 // its edge). Both axes keep millimetres (stretch <= 2 %): u = (x + nakago)/length, |v - 0.5| =
-// developed distance from the mune ridge / chart height. So one texel has the same size everywhere
-// on the blade.
+// y/chart height. So one texel has the same size everywhere on the blade.
 //
-// x = s - skew(s) (t - mune(s)) outside the mune, t being the distance from the ridge: where the
-// mune narrows, the developed sides no longer fit beside it straight, and turning them by `skew`
-// shares the misfit out.
+// x = s - skew(s) (t - mune(s)), y = t + lift(s), t being the developed distance from the mune
+// ridge. Where the mune narrows towards the tip, its two sides and it do not fit together flat: the
+// ridge, which is a seam of the chart, opens there by `lift` on each side, and the mune and the
+// sides are turned against it, each by its own skew.
 #pragma once
 #include <vector>
 
@@ -40,7 +40,9 @@ class BladeFrame {
     std::vector<double> mune_mm;  ///< from the mune ridge to the mune's corner
     std::vector<double>
         suguha_mm;  ///< from the mune ridge to the nominal suguha, the border of ji and ha
-    std::vector<double> skew;  ///< see above, radians
+    std::vector<double> skew;       ///< of the sides, see above, radians
+    std::vector<double> mune_skew;  ///< of the mune, radians
+    std::vector<double> lift_mm;    ///< of the ridge from v = 0.5; 0 up to the kissaki
 
     [[nodiscard]] double length_mm() const { return nakago_mm + nagasa_mm; }
     /// u, v in [0, 1]; outside, the nearest point of the chart's border is taken.
@@ -48,6 +50,8 @@ class BladeFrame {
 
     /// Chart abscissa (u = (x + nakago)/length) of the point at s, t.
     [[nodiscard]] double chart_x_mm(double s_mm, double from_ridge_mm) const;
+    /// Chart ordinate (|v - 0.5| = y/chart_height) of the point at s, t.
+    [[nodiscard]] double chart_y_mm(double s_mm, double from_ridge_mm) const;
     /// Value of one of the outline curves at s (linear between samples, clamped).
     [[nodiscard]] double at(const std::vector<double>& curve, double s_mm) const;
 

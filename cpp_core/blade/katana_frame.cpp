@@ -30,13 +30,14 @@ struct Metric {
     double shear = 0;  // mean over the side of P_arc . P_t: what turns a line of constant t against
                        // the surface
     struct Point {
-        double beyond;  // t beyond the mune, -1 on it
+        double beyond;  // t beyond the mune's corner, negative on the mune
         double length;  // |P_arc| less its part along P_t
         double shear;
     };
     std::vector<Point> points;
     double mune_slope = 0;  // change of the mune's developed half width along the arc
     double half_width = 0;
+    double mune_half_width = 0;
 };
 
 Metric metric_at(const KatanaShape& shape, double arc) {
@@ -52,6 +53,10 @@ Metric metric_at(const KatanaShape& shape, double arc) {
     Metric m;
     double t_start = 0;
     double mune_width = 0;
+    for (const Strip strip : {Strip::mune_top, Strip::mune_side}) {
+        if (shape.has(strip, stretch))
+            mune_width += KatanaShape::developed_mm(row.section, strip, row.mune, 1);
+    }
     double before0 = 0;
     double before1 = 0;
     double shear_sum = 0;
@@ -68,10 +73,8 @@ Metric metric_at(const KatanaShape& shape, double arc) {
                                  (q1 - q0);
             const glm::dvec3 p_arc = p.along - pt * dt_dq;
             const double shear = glm::dot(p_arc, pt);
-            const bool side = strip != Strip::mune_top && strip != Strip::mune_side;
             const double beyond =
-                side ? t_start + KatanaShape::developed_mm(row.section, strip, mune, f) - mune_width
-                     : -1;
+                t_start + KatanaShape::developed_mm(row.section, strip, mune, f) - mune_width;
             m.points.push_back({beyond, glm::length(p_arc - pt * shear), shear});
             if (strip != Strip::mune_top && strip != Strip::mune_side && strip != Strip::foot) {
                 shear_sum += shear * width;
@@ -79,7 +82,6 @@ Metric metric_at(const KatanaShape& shape, double arc) {
             }
         }
         if (strip == Strip::mune_side) {
-            mune_width = t_start + width;
             m.mune_slope = (before1 + KatanaShape::developed_mm(s1, strip, mune, 1) - before0 -
                             KatanaShape::developed_mm(s0, strip, mune, 1)) /
                            (q1 - q0);
@@ -90,6 +92,7 @@ Metric metric_at(const KatanaShape& shape, double arc) {
     }
     m.shear = shear_sum / weight;
     m.half_width = 0.5 * t_start;
+    m.mune_half_width = 0.5 * mune_width;
     return m;
 }
 
@@ -127,25 +130,63 @@ std::vector<double> smooth(const std::vector<double>& values) {
     return result;
 }
 
+// Value at x of a curve through (xs, ys), straight between them, xs rising; beyond the ends the end
+// pieces' ends.
+double interpolated(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
+    const auto next =
+        static_cast<std::size_t>(std::upper_bound(xs.begin() + 1, xs.end() - 1, x) - xs.begin());
+    const double share = std::clamp((x - xs[next - 1]) / (xs[next] - xs[next - 1]), 0.0, 1.0);
+    return ys[next - 1] + (ys[next] - ys[next - 1]) * share;
+}
+
+// How the misfit of mune and sides is shared out.
+struct Shares {
+    double lift;        // of the sides' shear, taken by opening the ridge; the rest by turning them
+    double spent;       // stretch along the edge that turning the sides may cost
+    double mune_spent;  // stretch along the ridge that turning the mune may cost
+};
+
 // One way to lay the surface out.
 struct Development {
-    std::vector<double> skew;  // between samples
-    std::vector<double> s_mm;  // at samples, from 0
-    double worst = 1e9;        // largest |singular value - 1| from machi to tip
+    std::vector<double> skew;       // between samples
+    std::vector<double> mune_skew;  // between samples
+    std::vector<double> lift_mm;    // at samples
+    std::vector<double> s_mm;       // at samples, from 0
+    double worst = 1e9;             // largest |singular value - 1| from machi to tip
+};
+
+// What turns and lifts the chart at one place: of the sides and of the mune.
+struct Turn {
+    double skew;
+    double slope;  // of the skew along the arc
+};
+struct Layout {
+    Turn side;
+    Turn mune;
+    double lift_slope;
+    double mune_slope;
+
+    [[nodiscard]] const Turn& turn(const Metric::Point& p) const {
+        return p.beyond < 0 ? mune : side;
+    }
+    // The ds per arc length that keeps lengths at a point.
+    [[nodiscard]] double fits(const Metric::Point& p) const {
+        const Turn& t = turn(p);
+        return p.length + t.slope * p.beyond - t.skew * (p.shear + mune_slope);
+    }
 };
 
 // Largest (singular value - 1) and largest (1 - singular value) of the map into the chart at one
 // arc length.
-template <typename Fits>
-glm::dvec2 over_and_under(const Metric& metric, const Fits& fits, double ds, double skew) {
+glm::dvec2 over_and_under(const Metric& metric, const Layout& layout, double ds) {
     glm::dvec2 worst(0);
     for (const Metric::Point& p : metric.points) {
-        // Derivatives of (x, t) along two unit vectors of the surface at right angles.
-        const double x1 = 1 + (ds - fits(p)) / p.length;
-        const double x2 = p.beyond < 0 ? 0 : -skew;
-        const double t1 = -p.shear / p.length;
-        const double sum = x1 * x1 + x2 * x2 + t1 * t1 + 1;
-        const double determinant = x1 - x2 * t1;
+        // Derivatives of (x, y) along two unit vectors of the surface at right angles.
+        const double x1 = 1 + (ds - layout.fits(p)) / p.length;
+        const double x2 = -layout.turn(p).skew;
+        const double y1 = (layout.lift_slope - p.shear) / p.length;
+        const double sum = x1 * x1 + x2 * x2 + y1 * y1 + 1;
+        const double determinant = x1 - x2 * y1;
         const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
         worst.x = std::max(worst.x, std::sqrt(0.5 * (sum + root)) - 1);
         worst.y = std::max(worst.y, 1 - std::sqrt(std::max(0.0, 0.5 * (sum - root))));
@@ -153,46 +194,62 @@ glm::dvec2 over_and_under(const Metric& metric, const Fits& fits, double ds, dou
     return worst;
 }
 
-// share: how much of the shear is turned away; spent: the stretch along the edge that turning may
-// cost.
-Development develop(const std::vector<Metric>& metric, const std::vector<double>& arc_mm,
-                    double share, double spent) {
-    const std::size_t n = arc_mm.size();
-    std::vector<double> target(n - 1);
-    std::vector<double> limit(n - 1);
-    for (std::size_t i = 0; i + 1 < n; ++i) {
-        target[i] = -share * metric[i].shear;
-        limit[i] = spent * (arc_mm[i + 1] - arc_mm[i]) / std::max(metric[i].half_width, 0.5);
+// The skews between samples: what each share asks for, no faster than its cost allows.
+std::vector<double> turned(const std::vector<double>& target, const std::vector<Metric>& metric,
+                           double Metric::*half_width, const std::vector<double>& arc_mm,
+                           double spent) {
+    std::vector<double> limit(target.size());
+    for (std::size_t i = 0; i < limit.size(); ++i) {
+        limit[i] = spent * (arc_mm[i + 1] - arc_mm[i]) / std::max(metric[i].*half_width, 0.5);
     }
+    return smooth(smooth(limit_slope(target, limit)));
+}
+
+Turn turn_between(const std::vector<double>& skew, std::size_t i, double step) {
+    const double before = i > 0 ? 0.5 * (skew[i - 1] + skew[i]) : skew[i];
+    const double after = i + 1 < skew.size() ? 0.5 * (skew[i] + skew[i + 1]) : skew[i];
+    return {skew[i], (after - before) / step};
+}
+
+Development develop(const std::vector<Metric>& metric, const std::vector<double>& arc_mm,
+                    double lift_from_mm, const Shares& shares) {
+    const std::size_t n = arc_mm.size();
     Development d;
-    d.skew = smooth(smooth(limit_slope(target, limit)));
+    d.lift_mm.assign(n, 0);
+    std::vector<double> target(n - 1);
+    std::vector<double> mune_target(n - 1);
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+        const double step = arc_mm[i + 1] - arc_mm[i];
+        const double lift = arc_mm[i] >= lift_from_mm
+                                ? std::max(-d.lift_mm[i], shares.lift * metric[i].shear * step)
+                                : 0;
+        d.lift_mm[i + 1] = d.lift_mm[i] + lift;
+        target[i] = lift / step - metric[i].shear;
+        mune_target[i] = lift / step;
+    }
+    d.skew = turned(target, metric, &Metric::half_width, arc_mm, shares.spent);
+    d.mune_skew = turned(mune_target, metric, &Metric::mune_half_width, arc_mm, shares.mune_spent);
     d.s_mm.assign(n, 0);
     d.worst = 0;
     for (std::size_t i = 0; i + 1 < n; ++i) {
         const double step = arc_mm[i + 1] - arc_mm[i];
-        const double skew = d.skew[i];
-        const double before = i > 0 ? 0.5 * (d.skew[i - 1] + skew) : skew;
-        const double after = i + 2 < n ? 0.5 * (skew + d.skew[i + 1]) : skew;
-        const double slope = (after - before) / step;
-        // The ds that keeps lengths at a point; the middle of the range is taken.
-        auto fits = [&](const Metric::Point& p) {
-            if (p.beyond < 0) return p.length;
-            return p.length + slope * p.beyond - skew * (p.shear + metric[i].mune_slope);
-        };
+        const Layout layout{turn_between(d.skew, i, step), turn_between(d.mune_skew, i, step),
+                            (d.lift_mm[i + 1] - d.lift_mm[i]) / step, metric[i].mune_slope};
         double least = 1e9;
         double most = 0;
         for (const Metric::Point& p : metric[i].points) {
-            least = std::min(least, fits(p));
-            most = std::max(most, fits(p));
+            const double fits = layout.fits(p);
+            least = std::min(least, fits);
+            most = std::max(most, fits);
         }
         double ds = 0.5 * (least + most);
         // Where next to nothing is turned, nothing is to be evened out, nor can the worst place lie
         // there.
-        if (arc_mm[i] >= 0 && std::abs(skew) + std::abs(metric[i].shear) > 4e-3) {
+        if (arc_mm[i] >= 0 && std::abs(d.skew[i]) + std::abs(metric[i].shear) > 4e-3) {
             // Turned parts stretch one way more than the other: even that out.
-            const glm::dvec2 first = over_and_under(metric[i], fits, ds, skew);
+            const glm::dvec2 first = over_and_under(metric[i], layout, ds);
             ds *= 1 - 0.5 * (first.x - first.y);
-            const glm::dvec2 range = over_and_under(metric[i], fits, ds, skew);
+            const glm::dvec2 range = over_and_under(metric[i], layout, ds);
             d.worst = std::max({d.worst, range.x, range.y});
         }
         d.s_mm[i + 1] = d.s_mm[i] + step * ds;
@@ -246,16 +303,18 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
             if (arc < 0) metric[i].shear = 0;
         }
     });
-    // How far and how fast to turn the sides: by whichever stretches the chart least at its worst
-    // place.
+    // How to share the misfit out: by whichever way stretches the chart least at its worst place.
+    const double lift_from_mm = shape.range(Stretch::kissaki)[0];
     Development best;
-    for (const double share : {0.5, 0.75, 1.0}) {
-        for (const double spent : {0.004, 0.006, 0.008, 0.011, 0.016}) {
-            Development tried = develop(metric, sample_arc_mm_, share, spent);
-            if (tried.worst < best.worst) best = std::move(tried);
+    for (const double lift : {0.6, 0.75, 0.9}) {
+        for (const double spent : {0.004, 0.008, 0.016}) {
+            for (const double mune_spent : {0.004, 0.008, 0.016}) {
+                Development tried =
+                    develop(metric, sample_arc_mm_, lift_from_mm, {lift, spent, mune_spent});
+                if (tried.worst < best.worst) best = std::move(tried);
+            }
         }
     }
-    const std::vector<double>& skew = best.skew;
     std::vector<double>& s = best.s_mm;
     const double machi = s[before];
     for (double& value : s) value -= machi;
@@ -266,7 +325,7 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
         shape.has_yokote() ? s_mm(shape.range(Stretch::kissaki)[0]) : frame_.nagasa_mm;
 
     const auto samples = static_cast<std::size_t>(frame_.length_mm() / sample_step_mm) + 2;
-    std::vector<double> middles(skew.size());
+    std::vector<double> middles(best.skew.size());
     for (std::size_t i = 0; i < middles.size(); ++i) {
         middles[i] = 0.5 * (sample_arc_mm_[i] + sample_arc_mm_[i + 1]);
     }
@@ -281,35 +340,22 @@ KatanaChart::KatanaChart(const KatanaShape& shape) {
         frame_.shinogi_mm.push_back(r.shinogi_mm);
         frame_.mune_mm.push_back(r.mune_mm);
         frame_.suguha_mm.push_back(r.suguha_mm);
-        // Between the middles of the steps that the skew was found for.
-        const auto cell = static_cast<std::size_t>(
-            std::upper_bound(middles.begin() + 1, middles.end() - 1, arc) - middles.begin());
-        const double share =
-            std::clamp((arc - middles[cell - 1]) / (middles[cell] - middles[cell - 1]), 0.0, 1.0);
-        frame_.skew.push_back(skew[cell - 1] + (skew[cell] - skew[cell - 1]) * share);
-        highest = std::max(highest, r.edge_mm);
+        // The skews were found for the middles of the steps.
+        frame_.skew.push_back(interpolated(middles, best.skew, arc));
+        frame_.mune_skew.push_back(interpolated(middles, best.mune_skew, arc));
+        frame_.lift_mm.push_back(interpolated(sample_arc_mm_, best.lift_mm, arc));
+        highest = std::max(highest, frame_.edge_mm.back() + frame_.lift_mm.back());
     }
     // Some room beyond the edge lines, so that a map can be padded there.
     frame_.chart_height_mm = 2 * highest * 1.03;
 }
 
 double KatanaChart::s_mm(double arc) const {
-    const auto next = std::clamp<std::ptrdiff_t>(
-        std::upper_bound(sample_arc_mm_.begin(), sample_arc_mm_.end(), arc) -
-            sample_arc_mm_.begin(),
-        1, static_cast<std::ptrdiff_t>(sample_arc_mm_.size()) - 1);
-    const auto i = static_cast<std::size_t>(next) - 1;
-    return sample_s_mm_[i] + (arc - sample_arc_mm_[i]) * (sample_s_mm_[i + 1] - sample_s_mm_[i]) /
-                                 (sample_arc_mm_[i + 1] - sample_arc_mm_[i]);
+    return interpolated(sample_arc_mm_, sample_s_mm_, arc);
 }
 
 double KatanaChart::arc_mm(double s) const {
-    const auto next = std::clamp<std::ptrdiff_t>(
-        std::upper_bound(sample_s_mm_.begin(), sample_s_mm_.end(), s) - sample_s_mm_.begin(), 1,
-        static_cast<std::ptrdiff_t>(sample_s_mm_.size()) - 1);
-    const auto i = static_cast<std::size_t>(next) - 1;
-    return sample_arc_mm_[i] + (s - sample_s_mm_[i]) * (sample_arc_mm_[i + 1] - sample_arc_mm_[i]) /
-                                   (sample_s_mm_[i + 1] - sample_s_mm_[i]);
+    return interpolated(sample_s_mm_, sample_arc_mm_, s);
 }
 
 BladeFrame make_blade_frame(const KatanaParameters& parameters) {

@@ -232,7 +232,7 @@ class Builder {
             c.s_mm = static_cast<float>(s);
             c.t_mm = static_cast<float>(t);
             c.uv = {(frame.chart_x_mm(s, t) + frame.nakago_mm) / frame.length_mm(),
-                    0.5 - t / frame.chart_height_mm};
+                    0.5 - frame.chart_y_mm(s, t) / frame.chart_height_mm};
         }
     }
 
@@ -522,7 +522,7 @@ class Builder {
         c.s_mm = static_cast<float>(along_s);
         c.t_mm = static_cast<float>(t);
         c.uv = {(frame.chart_x_mm(along_s, t) + frame.nakago_mm) / frame.length_mm(),
-                0.5 - t / frame.chart_height_mm};
+                0.5 - frame.chart_y_mm(along_s, t) / frame.chart_height_mm};
         return c;
     }
 

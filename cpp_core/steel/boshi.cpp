@@ -47,7 +47,8 @@ Boshi::Boshi(const SteelOutline& outline, const SteelParameters& p, bool omote, 
                     const double q = from_edge_.q_of(j);
                     const double r = std::max(outline.straight_edge(s) - q, 0.0);
                     const double u = (frame.chart_x_mm(s, r) + frame.nakago_mm) / frame.length_mm();
-                    const ChartPoint at = frame.locate(u, 0.5 + middle * r / frame.chart_height_mm);
+                    const ChartPoint at = frame.locate(
+                        u, 0.5 + middle * frame.chart_y_mm(s, r) / frame.chart_height_mm);
                     // Outside the outline: below the edge by as much as the column says.
                     const double below = r - outline.edge(s);
                     from_edge_.column(i)[j] =

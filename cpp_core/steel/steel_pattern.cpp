@@ -99,7 +99,7 @@ class Sampler {
         const double r = std::min(point.from_ridge_mm, outline_.edge(s));
         const double q = outline_.straight_edge(s) - r;
         const double x = u * frame_.length_mm();
-        const double y = point.omote ? -r : r;
+        const double y = (point.omote ? -1.0 : 1.0) * frame_.chart_y_mm(s, r);
         const bool in_kissaki = s > outline_.kissaki_s() && outline_.has_yokote();
         const bool on_mune = r < outline_.mune(s);
         const bool on_shinogi_ji = !on_mune && r < outline_.shinogi(s);
