@@ -23,7 +23,7 @@ struct Options {
     std::string material{default_material_name};
     std::string part = "hamon";
     std::string protocol = "a";
-    std::vector<double> incidences_deg, turns_deg;
+    std::vector<double> incidences_deg, turns_deg, azimuths_deg;
     double receive_first_deg = 0, receive_last_deg = 0, step_deg = 0;
     std::string quantity = "radiance", calibration = "absolute";
     SimulationOptions simulation;
@@ -45,6 +45,7 @@ void run(const CLI::App& command, Options o, const Common& common) {
     s.protocol = scan_protocol(o.protocol);
     if (!o.incidences_deg.empty()) s.protocol.incidences_deg = o.incidences_deg;
     if (!o.turns_deg.empty()) s.protocol.turns_deg = o.turns_deg;
+    if (!o.azimuths_deg.empty()) s.protocol.azimuths_deg = o.azimuths_deg;
     if (command.count("--receive-first") > 0) s.protocol.receive_first_deg = o.receive_first_deg;
     if (command.count("--receive-last") > 0) s.protocol.receive_last_deg = o.receive_last_deg;
     if (command.count("--step") > 0) s.protocol.step_deg = o.step_deg;
@@ -88,6 +89,8 @@ void add_simulate_scan_command(CLI::App& app, const Common& common) {
                         "Incidences in degrees, instead of the protocol's");
     command->add_option("--turn", o->turns_deg,
                         "Turns of the sample in degrees, counter-clockwise");
+    command->add_option("--azimuth", o->azimuths_deg,
+                        "Azimuths of the detector in degrees, out of the plane of incidence");
     command->add_option("--receive-first", o->receive_first_deg, "First receive angle in degrees");
     command->add_option("--receive-last", o->receive_last_deg, "Last receive angle in degrees");
     command->add_option("--step", o->step_deg, "Step of the receive angle in degrees");

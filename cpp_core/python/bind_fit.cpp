@@ -145,6 +145,8 @@ SimulationOptions simulation_of(const py::object& mapping) {
             o.protocol.incidences_deg = numbers_of(where, name, value);
         } else if (name == "turns_deg") {
             o.protocol.turns_deg = numbers_of(where, name, value);
+        } else if (name == "azimuths_deg") {
+            o.protocol.azimuths_deg = numbers_of(where, name, value);
         } else if (name == "receive_first_deg") {
             o.protocol.receive_first_deg = number_of(where, name, value);
         } else if (name == "receive_last_deg") {
@@ -173,7 +175,8 @@ SimulationOptions simulation_of(const py::object& mapping) {
         } else {
             bool known = false;
             std::string all =
-                "protocol, incidences_deg, turns_deg, receive_first_deg, receive_last_deg, "
+                "protocol, incidences_deg, turns_deg, azimuths_deg, receive_first_deg, "
+                "receive_last_deg, "
                 "step_deg, "
                 "dense_within_deg, coarse_step_deg, quantity, calibration, channels, light, "
                 "state_sigma, seed";
@@ -193,8 +196,8 @@ py::dict simulation_defaults() {
     const SimulationOptions o;
     py::dict d;
     d["protocol"] = "a";
-    for (const char* key : {"incidences_deg", "turns_deg", "receive_first_deg", "receive_last_deg",
-                            "step_deg", "dense_within_deg", "coarse_step_deg"})
+    for (const char* key : {"incidences_deg", "turns_deg", "azimuths_deg", "receive_first_deg",
+                            "receive_last_deg", "step_deg", "dense_within_deg", "coarse_step_deg"})
         d[key] = py::none();
     d["quantity"] = std::string(scan_quantity_names[static_cast<std::size_t>(o.quantity)]);
     d["calibration"] = std::string(scan_calibration_names[static_cast<std::size_t>(o.calibration)]);

@@ -240,9 +240,9 @@ def read_scans(paths: list[str], settings: Mapping[str, str] = {}) -> list[ScanS
 
 def simulation_defaults() -> dict[str, Any]:
     """Options of simulate_scan with their defaults (cpp_core/scan/simulate_scan.hpp): protocol ("a" or "b"),
-    incidences_deg, turns_deg, receive_first_deg, receive_last_deg, step_deg, dense_within_deg, coarse_step_deg
-    (None: as the protocol has it), quantity, calibration, channels, light, noise_relative, noise_floor, gain_error,
-    source_aperture_deg, detector_aperture_deg, pedestal, tilt_t_deg, tilt_b_deg, receive_offset_deg,
+    incidences_deg, turns_deg, azimuths_deg, receive_first_deg, receive_last_deg, step_deg, dense_within_deg,
+    coarse_step_deg (None: as the protocol has it), quantity, calibration, channels, light, noise_relative,
+    noise_floor, gain_error, source_aperture_deg, detector_aperture_deg, pedestal, tilt_t_deg, tilt_b_deg, receive_offset_deg,
     out_of_plane_deg, saturation, haze_share, haze_width, outlier_share, state_sigma, seed."""
 
 def simulate_scan(
@@ -253,7 +253,7 @@ def simulate_scan(
 def fit_defaults() -> dict[str, Any]:
     """Options of fit_scans with their defaults (cpp_core/fit/fit.hpp): metal, anisotropy and haze ("off", "on" or
     "auto"), aperture, tilt, gain, pedestal, gain_prior, tilt_prior_deg, receive_offset_prior_deg,
-    out_of_plane_prior_deg, outlier_sigma, starts, max_iterations."""
+    out_of_plane_prior_deg, unseen_tilt_deg, outlier_sigma, starts, max_iterations."""
 
 def fit_scans(
     scans: ScanSet,

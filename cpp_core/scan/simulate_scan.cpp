@@ -40,6 +40,7 @@ void check_angles(std::string_view field, const std::vector<double>& angles, dou
 void check(const SimulationOptions& o) {
     check_angles("incidences_deg", o.protocol.incidences_deg, 0, 89.9);
     check_angles("turns_deg", o.protocol.turns_deg, -360, 360);
+    check_angles("azimuths_deg", o.protocol.azimuths_deg, -90, 90);
     check("receive_first_deg", o.protocol.receive_first_deg, -89.9, 89.9, "-89.9 to 89.9 degrees");
     check("receive_last_deg", o.protocol.receive_last_deg, o.protocol.receive_first_deg, 89.9,
           "receive_first_deg to 89.9 degrees");
@@ -136,9 +137,18 @@ std::vector<ScanRow> receive_rows(const ScanProtocol& p, double incidence_deg) {
     sweep(first, last, p.step_deg, true);
     if (p.dense_within_deg < 180) sweep(first, last, p.coarse_step_deg, false);
     std::sort(angles.begin(), angles.end());
+    std::vector<double> azimuths = p.azimuths_deg;
+    std::sort(azimuths.begin(), azimuths.end());
+    if (angles.size() * azimuths.size() > scan_file_max_rows) {
+        throw InputError(
+            "simulate-scan", "azimuths_deg", std::to_string(azimuths.size()),
+            "azimuths that make at most " + std::to_string(scan_file_max_rows) + " rows");
+    }
     std::vector<ScanRow> rows;
-    rows.reserve(angles.size());
-    for (const double angle : angles) rows.push_back({angle, 0, 0});
+    rows.reserve(angles.size() * azimuths.size());
+    for (const double azimuth : azimuths) {
+        for (const double angle : angles) rows.push_back({angle, azimuth, 0});
+    }
     return rows;
 }
 

@@ -13,7 +13,8 @@ namespace togishi {
 /// Which angles are measured.
 struct ScanProtocol {
     std::vector<double> incidences_deg;
-    std::vector<double> turns_deg;  ///< counter-clockwise
+    std::vector<double> turns_deg;           ///< counter-clockwise
+    std::vector<double> azimuths_deg = {0};  ///< of the detector, out of the plane of incidence
     double receive_first_deg = 25;
     double receive_last_deg = 65;
     double step_deg = 0.2;

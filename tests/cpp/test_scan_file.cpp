@@ -141,6 +141,7 @@ TEST(ScanFile, SimulationsComeBackBitForBit) {
     SimulationOptions o;
     o.channels = {"intensity", "intensity_450nm"};
     o.protocol.step_deg = 2;
+    o.protocol.azimuths_deg = {4, -4, 0};
     o.state_sigma = true;
     o.saturation = 0.8;
     const ScanSet set = simulate_scan(default_material(), ScanPart::hamon, o);
@@ -150,6 +151,12 @@ TEST(ScanFile, SimulationsComeBackBitForBit) {
         EXPECT_EQ(again.scans[s].intensity, set.scans[s].intensity);
         EXPECT_EQ(again.scans[s].sigma, set.scans[s].sigma);
         EXPECT_EQ(again.scans[s].turn_deg, set.scans[s].turn_deg);
+        ASSERT_EQ(again.scans[s].rows.size(), 3U * 21U);
+        for (std::size_t i = 0; i < set.scans[s].rows.size(); ++i) {
+            EXPECT_EQ(again.scans[s].rows[i].azimuth_deg, set.scans[s].rows[i].azimuth_deg);
+            EXPECT_EQ(again.scans[s].rows[i].receive_deg, set.scans[s].rows[i].receive_deg);
+        }
+        EXPECT_EQ(again.scans[s].rows.front().azimuth_deg, -4);
         EXPECT_EQ(again.scans[s].saturation, set.scans[s].saturation);
     }
     // The same seed is the same file; another one is not.
