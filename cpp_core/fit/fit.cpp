@@ -37,6 +37,7 @@ void check(const FitOptions& o) {
     check("tilt_prior_deg", o.tilt_prior_deg, 1e-6, 20);
     check("receive_offset_prior_deg", o.receive_offset_prior_deg, 0, 20);
     check("out_of_plane_prior_deg", o.out_of_plane_prior_deg, 0, 20);
+    check("unseen_tilt_deg", o.unseen_tilt_deg, 0, 5);
     check("outlier_sigma", o.outlier_sigma, 0, 1e6);
     check("starts", o.starts, 1, 64);
     check("max_iterations", o.max_iterations, 1, 10'000);
@@ -74,6 +75,7 @@ class Search {
         : scans_(scans), options_(options), progress_(progress) {
         directions_ = lobe_directions(scans);
         turned_ = turned(scans);
+        both_tilts_ = shows_both_tilts(scans);
         stated_sigma_ = std::all_of(scans.scans.begin(), scans.scans.end(),
                                     [](const Scan& s) { return !s.sigma.empty(); });
     }
@@ -101,7 +103,7 @@ class Search {
         if (lobe == LobeFreedom::full) a.shared.push_back(index_e_across);
         if (options_.tilt) {
             a.shared.push_back(index_tilt_along);
-            if (turned_ || directions_ >= 3) a.shared.push_back(index_tilt_across);
+            if (both_tilts_) a.shared.push_back(index_tilt_across);
             if (turned_ && options_.receive_offset_prior_deg > 0) a.shared.push_back(index_receive);
             if (options_.out_of_plane_prior_deg > 0) a.shared.push_back(index_out_of_plane);
         }
@@ -345,7 +347,7 @@ class Search {
     const FitOptions& options_;
     Progress progress_;
     int directions_ = 1;
-    bool turned_ = false, stated_sigma_ = false;
+    bool turned_ = false, both_tilts_ = false, stated_sigma_ = false;
     std::map<std::string, std::shared_ptr<const ReflectanceTable>> tables_;
 };
 

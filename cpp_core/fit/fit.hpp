@@ -33,6 +33,10 @@ struct FitOptions {
     double tilt_prior_deg = 1;
     double receive_offset_prior_deg = 0.2;  ///< 0: taken as exact
     double out_of_plane_prior_deg = 0;      ///< 0: taken as exact
+    /// Standard deviation of a tilt that no scan shows: across the plane of incidence, where the
+    /// sample was not turned. It lowers the peak, so the weight's interval holds it. 0: there is
+    /// none. Default: of a lean of up to 0.2 degrees, any direction.
+    double unseen_tilt_deg = 0.08;
     double outlier_sigma = 5;  ///< readings further off are left out, and said; 0: none are
     int starts = 6;            ///< 1 to 64
     int max_iterations = 60;   ///< per start

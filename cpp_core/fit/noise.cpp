@@ -75,12 +75,11 @@ NoiseModel estimate_noise(const FitProblem& problem, const std::vector<double>& 
 }
 
 std::size_t mark_outliers(FitProblem& problem, const std::vector<double>& modelled, double limit) {
-    const auto judged = [](ReadingState s) {
-        return s == ReadingState::used || s == ReadingState::outlier;
-    };
+    const auto judged = [](ReadingState s) { return s != ReadingState::gap; };
     const auto wrong = [&](std::size_t i) {
+        const double off = problem.measured()[i] - modelled[i];
         return limit > 0 &&
-               std::abs(problem.measured()[i] - modelled[i]) > limit * problem.sigma[i];
+               (problem.at_saturation(i) ? off : std::abs(off)) > limit * problem.sigma[i];
     };
     std::size_t all = 0, out = 0;
     for (std::size_t i = 0; i < modelled.size(); ++i) {
@@ -91,7 +90,9 @@ std::size_t mark_outliers(FitProblem& problem, const std::vector<double>& modell
     const bool too_many = 20 * out > all;
     for (std::size_t i = 0; i < modelled.size(); ++i) {
         if (!judged(problem.state[i])) continue;
-        problem.state[i] = !too_many && wrong(i) ? ReadingState::outlier : ReadingState::used;
+        problem.state[i] = !too_many && wrong(i)      ? ReadingState::outlier
+                           : problem.at_saturation(i) ? ReadingState::clipped
+                                                      : ReadingState::used;
     }
     return too_many ? 0 : out;
 }
@@ -101,6 +102,7 @@ double deviance(const FitProblem& problem, const std::vector<double>& modelled) 
     for (std::size_t i = 0; i < modelled.size(); ++i) {
         if (problem.state[i] != ReadingState::used && problem.state[i] != ReadingState::outlier)
             continue;
+        if (problem.at_saturation(i)) continue;
         const double z = (problem.measured()[i] - modelled[i]) / problem.sigma[i];
         sum += std::min(z * z, cap_sigma * cap_sigma) + 2 * std::log(problem.sigma[i]);
     }

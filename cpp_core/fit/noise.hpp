@@ -20,9 +20,10 @@ void set_sigma(FitProblem& problem, const NoiseModel& noise, const std::vector<d
                                         const std::vector<double>& modelled, NoiseModel start,
                                         std::size_t parameters);
 
-/// Marks readings beyond `limit` sigma as outliers and the others as used; gaps and clipped ones
-/// stay. Where more than a twentieth would go, the model is wrong and not the readings: then none
-/// goes. limit 0: none. Returns how many are marked.
+/// Marks readings beyond `limit` sigma as outliers and the others as used, or clipped; gaps stay. A
+/// clipped reading is wrong only where the model lies below it. Where more than a twentieth would
+/// go, the model is wrong and not the readings: then none goes. limit 0: none. Returns how many are
+/// marked.
 std::size_t mark_outliers(FitProblem& problem, const std::vector<double>& modelled, double limit);
 
 /// -2 ln likelihood of all readings that are neither gaps nor clipped, each counting at most as 5

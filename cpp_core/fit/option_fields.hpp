@@ -39,6 +39,9 @@ struct OptionField {
          &FitOptions::receive_offset_prior_deg},
         {"out_of_plane_prior_deg", "And of the detector's way out of the plane; 0: exact",
          &FitOptions::out_of_plane_prior_deg},
+        {"unseen_tilt_deg",
+         "Standard deviation of a tilt across the plane where the sample was not turned; 0: none",
+         &FitOptions::unseen_tilt_deg},
         {"outlier_sigma", "Readings further off are left out; 0: none", &FitOptions::outlier_sigma},
         {"starts", "Starting points, 1 to 64", &FitOptions::starts},
         {"max_iterations", "Steps of each search", &FitOptions::max_iterations}};

@@ -98,9 +98,11 @@ FitProblem::FitProblem(const ScanSet& scans, bool use_aperture, std::size_t stri
                 const double value = scan.intensity[i * channels_ + c];
                 measured_.push_back(value);
                 const bool gap = !std::isfinite(value);
-                state.push_back(gap                        ? ReadingState::gap
-                                : value >= scan.saturation ? ReadingState::clipped
-                                                           : ReadingState::used);
+                const bool clipped = !gap && value >= scan.saturation;
+                at_saturation_.push_back(clipped ? 1 : 0);
+                state.push_back(gap       ? ReadingState::gap
+                                : clipped ? ReadingState::clipped
+                                          : ReadingState::used);
                 sigma.push_back(scan.sigma.empty() ? 0 : scan.sigma[i * channels_ + c]);
                 if (!gap) peaks_[c] = std::max(peaks_[c], std::abs(value));
             }

@@ -78,6 +78,10 @@ class FitProblem {
     }  ///< (rows, channels)
     [[nodiscard]] std::size_t scan_of_row(std::size_t row) const { return rows_[row].scan; }
     [[nodiscard]] double peak(std::size_t channel) const { return peaks_[channel]; }
+    /// Whether the detector clipped there, whatever became of the reading.
+    [[nodiscard]] bool at_saturation(std::size_t reading) const {
+        return at_saturation_[reading] != 0;
+    }
 
     // What a fit may change between runs
     std::vector<ReadingState> state;  ///< (rows, channels)
@@ -129,6 +133,7 @@ class FitProblem {
     std::vector<Setup> setups_;
     std::vector<Row> rows_;
     std::vector<double> measured_, peaks_;
+    std::vector<char> at_saturation_;  // (rows, channels)
     std::vector<std::vector<ApertureNode>> node_sets_;
 };
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 
 #include "base/error.hpp"
 #include "fit/solver.hpp"
 #include "fit/start.hpp"
+#include "fit/unseen_tilt.hpp"
 #include "scan/scan_channel.hpp"
 
 #ifndef TOGISHI_VERSION
@@ -48,6 +48,13 @@ class Table {
         }
         parameters.push_back(std::move(parameter));
         rows_.push_back(std::move(row));
+        unseen_.push_back(0);
+    }
+    // Of what no reading tells, beside what the covariance holds.
+    void widen(std::string_view name, double sigma) {
+        for (std::size_t i = 0; i < parameters.size(); ++i) {
+            if (parameters[i].name == name) unseen_[i] = sigma;
+        }
     }
     // Sigmas and correlations.
     [[nodiscard]] std::vector<std::vector<double>> correlate(const Eigen::MatrixXd& covariance) {
@@ -55,8 +62,9 @@ class Table {
         std::vector<std::vector<double>> correlations(n, std::vector<double>(n, 0.0));
         std::vector<double> sigma(n);
         for (std::size_t i = 0; i < n; ++i) {
-            sigma[i] =
-                std::sqrt(std::max((rows_[i] * covariance * rows_[i].transpose())(0, 0), 0.0));
+            sigma[i] = std::hypot(
+                std::sqrt(std::max((rows_[i] * covariance * rows_[i].transpose())(0, 0), 0.0)),
+                unseen_[i]);
             constexpr double as_good_as_unknown = 1e12;
             parameters[i].sigma =
                 std::min(finite(sigma[i], as_good_as_unknown), as_good_as_unknown);
@@ -76,6 +84,7 @@ class Table {
   private:
     const FitActive& active_;
     std::vector<Eigen::RowVectorXd> rows_;
+    std::vector<double> unseen_;
 };
 
 class Report {
@@ -92,7 +101,7 @@ class Report {
         c.shared *= inflate;
         c.gain *= inflate;
         Table table(solution_.active);
-        add_weight(table, x);
+        add_weight(table, x, c);
         add_lobe(table, x);
         add_pedestals(table, x);
         add_haze(table, x);
@@ -213,14 +222,54 @@ class Report {
     }
 
   private:
-    void add_weight(Table& table, const Eigen::VectorXd& x) {
-        const double value = std::exp(x[index_ln_weight]) * problem_.scale();
+    // By how much ln weight would have to rise had the sample leant by unseen_tilt_deg across the
+    // plane of incidence, where no scan shows it.
+    [[nodiscard]] double drop_by_unseen_tilt() {
+        if (!options_.tilt || options_.unseen_tilt_deg <= 0 ||
+            solution_.active.has(index_tilt_across))
+            return 0;
+        FitParameters upright = solution_.parameters;
+        upright.shared.tail(upright.shared.size() - index_pedestal).setZero();
+        FitParameters leaning = upright;
+        leaning.shared[index_tilt_across] = options_.unseen_tilt_deg / deg_per_rad;
+        const std::vector<double> a = problem_.modelled(upright), b = problem_.modelled(leaning);
+        double ab = 0, aa = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            if (solution_.state[i] != ReadingState::used) continue;
+            const double w = 1 / (solution_.sigma[i] * solution_.sigma[i]);
+            ab += w * a[i] * b[i];
+            aa += w * a[i] * a[i];
+        }
+        constexpr double most = 40;
+        return aa > 0 && ab > 0 ? std::clamp(-std::log(ab / aa), 0.0, most) : 0;
+    }
+
+    void add_weight(Table& table, const Eigen::VectorXd& x, const Covariance& c) {
+        double value = std::exp(x[index_ln_weight]) * problem_.scale();
         const bool absolute = fit_.scans.calibration == ScanCalibration::absolute;
         FitParameter p;
         p.name = fit_.scans.part == ScanPart::ji ? "chi" : "beta";
         p.value = value;
         p.unit = absolute ? "1/sr" : "relative";
+        // A relative weight has no scale that a tilt could falsify.
+        const double drop = absolute ? drop_by_unseen_tilt() : 0;
+        const double sigma = std::sqrt(std::max(c.shared(0, 0), 0.0));
+        const Interval ln = interval_with_drop(std::max(sigma, 1e-12), drop);
+        if (drop > sigma) {
+            p.reason = "not_turned";
+            p.text = "a tilt of " + digits(options_.unseen_tilt_deg, 3) +
+                     " degrees across the plane of incidence, which only a turned sample shows, "
+                     "would lower the peak by " +
+                     digits(-100 * std::expm1(-drop), 2) + " %: the interval holds it";
+        }
+        if (drop > 0) {
+            value *= std::exp(ln.middle);
+            p.value = value;
+        }
         table.add(p, {{index_ln_weight, value}});
+        if (drop > 0)
+            table.widen(p.name,
+                        value * std::sqrt(std::max(ln.half * ln.half - sigma * sigma, 0.0)));
         fit_.lobe.weight = value;
     }
 
@@ -311,16 +360,22 @@ class Report {
             FitParameter& hidden = std::abs(c) >= std::abs(s) ? b : t;
             hidden.determined = false;
             hidden.reason = "not_turned";
-            const double mu = fit_.lobe.mu_b_deg;
-            const double raise = 100 * std::expm1(std::numbers::ln2 * 0.01 / (mu * mu));
             hidden.text =
                 "a tilt across the plane of incidence shows only when the sample is turned; it was "
-                "taken "
-                "as 0 (0.1 degrees would raise the weight by " +
-                (raise < 1e4 ? digits(raise, 2) + " %)" : std::string("far more than 100 %)"));
+                "taken as 0, give or take unseen_tilt_deg";
+        } else if (solution_.lobe == LobeFreedom::aligned) {
+            // A lobe whose axes lie otherwise moves the peak as a tilt does.
+            FitParameter& mixed = std::abs(c) >= std::abs(s) ? b : t;
+            mixed.determined = false;
+            mixed.reason = "no_azimuth_coverage";
+            mixed.text = "two directions of the lobe cannot tell this tilt from a turned axis";
         }
         table.add(t, {{index_tilt_along, c * deg_per_rad}, {index_tilt_across, -s * deg_per_rad}});
         table.add(b, {{index_tilt_along, s * deg_per_rad}, {index_tilt_across, c * deg_per_rad}});
+        if (!solution_.active.has(index_tilt_across)) {
+            table.widen("tilt_t_deg", std::abs(s) * options_.unseen_tilt_deg);
+            table.widen("tilt_b_deg", std::abs(c) * options_.unseen_tilt_deg);
+        }
         const bool zero = solution_.active.has(index_receive);
         FitParameter offset{"receive_offset_deg",
                             zero ? x[index_receive] * deg_per_rad : 0.0,

@@ -166,6 +166,19 @@ bool turned(const ScanSet& scans) {
     return false;
 }
 
+bool shows_both_tilts(const ScanSet& scans) {
+    if (lobe_directions(scans) >= 3) return true;
+    const Scan* first = nullptr;
+    for (const Scan& scan : scans.scans) {
+        if (!has_reading(scan)) continue;
+        if (first == nullptr) first = &scan;
+        const double by = (scan.turn_deg - first->turn_deg) * rad_per_deg;
+        constexpr double well_across = 0.4;  // sine: 24 degrees
+        if (std::abs(std::sin(by)) > well_across) return true;
+    }
+    return false;
+}
+
 void set_height(const FitProblem& problem, FitParameters& p) {
     p.shared[index_ln_weight] = 0;
     const std::size_t channels = problem.channels();

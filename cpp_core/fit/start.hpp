@@ -14,6 +14,9 @@ namespace togishi {
 /// or so.
 [[nodiscard]] bool turned(const ScanSet& scans);
 
+/// Whether both tilts show: scans in planes that lie well across each other, or out of the plane.
+[[nodiscard]] bool shows_both_tilts(const ScanSet& scans);
+
 /// Up to `count` starts, the likeliest first: half widths and peak positions of the single curves,
 /// then the same with wider and narrower, round and turned lobes.
 [[nodiscard]] std::vector<FitParameters> starting_points(const ScanSet& scans,

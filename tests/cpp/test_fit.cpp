@@ -6,6 +6,8 @@
 
 #include "base/error.hpp"
 #include "fit/fit.hpp"
+#include "fit/unseen_tilt.hpp"
+#include "scan/random_normal.hpp"
 #include "scan/scan_file.hpp"
 #include "scan/simulate_scan.hpp"
 
@@ -130,6 +132,101 @@ TEST(Fit, OutliersAreLeftOutAndSaid) {
     EXPECT_NEAR(of(fit, "mu_b_deg").value, 5, 0.03);
 }
 
+TEST(Fit, WrongReadingsAtTheTopOfTheRangeAreNoPeak) {
+    // Sparks far from the peak reach the clipping level, too: as lower bounds they would weigh more
+    // than all others together.
+    SimulationOptions o = options("a");
+    o.saturation = 0.7;
+    o.outlier_share = 0.02;
+    for (const std::uint64_t seed : {1U, 5U, 10U}) {
+        o.seed = seed;
+        const Fit fit = fit_scans(simulate_scan(measured(8, 5, 30, 40), ScanPart::hamon, o));
+        EXPECT_GT(fit.record.outliers, 8);
+        EXPECT_GT(fit.record.clipped, 200);
+        EXPECT_NEAR(of(fit, "mu_t_deg").value, 8, 4 * of(fit, "mu_t_deg").sigma) << seed;
+        EXPECT_NEAR(of(fit, "mu_b_deg").value, 5, 4 * of(fit, "mu_b_deg").sigma) << seed;
+        EXPECT_LT(of(fit, "mu_t_deg").sigma, 0.05);
+        for (const FittedScan& scan : fit.fitted) EXPECT_NEAR(scan.gain, 1, 0.05) << seed;
+    }
+}
+
+TEST(Fit, ReadingsOutOfThePlaneShowTheWholeLobe) {
+    // One position of the sample, the detector led around the mirror direction.
+    SimulationOptions o = options("a");
+    o.protocol.turns_deg = {0};
+    o.protocol.azimuths_deg = {-9, -6, -3, 0, 3, 6, 9};
+    o.protocol.receive_first_deg = 35;
+    o.protocol.receive_last_deg = 55;
+    o.protocol.step_deg = 0.5;
+    o.tilt_t_deg = 0.12;
+    o.tilt_b_deg = -0.09;
+    const ScanSet simulated = simulate_scan(measured(2, 1.2, 35, 40), ScanPart::hamon, o);
+    const ScanSet scans = parse_scans(scans_to_text(simulated), "out_of_plane.csv");
+    ASSERT_EQ(scans.scans.size(), 1U);
+    ASSERT_EQ(scans.rows(), 7U * 41U);
+    const Fit fit = fit_scans(scans);
+    expect_finite(fit, "out of plane");
+    const auto near = [&](const std::string& name, double truth, double bound) {
+        const FitParameter& p = of(fit, name);
+        EXPECT_TRUE(p.determined) << name;
+        EXPECT_NEAR(p.value, truth, std::min(bound, 4 * p.sigma)) << name;
+    };
+    near("mu_t_deg", 2, 0.02);
+    near("mu_b_deg", 1.2, 0.012);
+    near("rho_deg", 35, 0.5);
+    near("beta", 40, 1.6);
+    near("tilt_t_deg", 0.12, 0.01);
+    near("tilt_b_deg", -0.09, 0.01);
+}
+
+TEST(Fit, AnUnseenTiltIsPartOfTheWeightsInterval) {
+    // 0.1 degrees across the plane lower a peak of 0.3 degrees by 8 %, and nothing else.
+    SimulationOptions o = options("b");
+    o.tilt_b_deg = 0.1;
+    FitOptions exact;
+    exact.unseen_tilt_deg = 0;
+    const ScanSet scans = simulate_scan(measured(0.3, 0.3, 0, 40), ScanPart::ji, o);
+    const Fit known = fit_scans(scans, exact), fit = fit_scans(scans);
+    EXPECT_NEAR(of(known, "chi").value, 40 * std::exp(-std::log(2.0) * 0.01 / 0.09), 0.5);
+    EXPECT_LT(of(known, "chi").sigma, 0.005 * 40);
+    // The interval leads from the fitted height upwards, by what the stated tilt may have taken
+    // off.
+    const FitParameter& chi = of(fit, "chi");
+    EXPECT_EQ(chi.reason, "not_turned");
+    EXPECT_NEAR(chi.value - chi.sigma, of(known, "chi").value, 2 * of(known, "chi").sigma);
+    EXPECT_NEAR(chi.value + chi.sigma,
+                of(known, "chi").value * std::exp(std::log(2.0) * 0.0064 / 0.09), 0.5);
+    EXPECT_EQ(of(fit, "mu_t_deg").value, of(known, "mu_t_deg").value);
+    EXPECT_NEAR(of(fit, "mu_t_deg").value, 0.3, 0.001);
+    EXPECT_NEAR(of(fit, "tilt_b_deg").sigma, 0.08, 1e-12);
+    // Turned by 90 degrees it shows; turned by 180 it does not.
+    o.protocol.turns_deg = {0, 90};
+    const Fit turned = fit_scans(simulate_scan(measured(0.3, 0.3, 0, 40), ScanPart::ji, o));
+    EXPECT_NEAR(of(turned, "chi").value, 40, 4 * of(turned, "chi").sigma);
+    EXPECT_NEAR(of(turned, "tilt_b_deg").value, 0.1, 0.005);
+    o.protocol.turns_deg = {0, 180};
+    const Fit reversed = fit_scans(simulate_scan(measured(0.3, 0.3, 0, 40), ScanPart::ji, o));
+    EXPECT_EQ(of(reversed, "chi").reason, "not_turned");
+    EXPECT_FALSE(of(reversed, "tilt_b_deg").determined);
+}
+
+TEST(Fit, TheIntervalWithAnUnseenTiltHoldsItsShare) {
+    EXPECT_NEAR(interval_with_drop(0.3, 0).half, 0.3, 1e-12);
+    EXPECT_NEAR(interval_with_drop(1e-9, 0.4).middle, 0.2, 1e-6);
+    RandomNormal random(4);
+    for (const double drop : {0.02, 0.3, 1.0, 5.0, 50.0}) {
+        const Interval interval = interval_with_drop(1, drop);
+        constexpr int trials = 40'000;
+        int held = 0;
+        for (int i = 0; i < trials; ++i) {
+            const double z = random.normal();
+            const double x = random.normal() + drop * z * z;
+            held += std::abs(x - interval.middle) <= interval.half ? 1 : 0;
+        }
+        EXPECT_NEAR(static_cast<double>(held) / trials, 0.6827, 0.01) << drop;
+    }
+}
+
 TEST(Fit, AClippedPeakIsTakenAsALowerBound) {
     SimulationOptions o = options("a");
     o.saturation = 0.7;
@@ -181,6 +278,7 @@ TEST(Fit, StiffAndHopelessData) {
     const Fit without = fit_scans(scans);
     expect_finite(without, "a scan of zeros");
     EXPECT_EQ(of(without, "mu_b_deg").reason, "no_azimuth_coverage");
+    EXPECT_EQ(of(without, "tilt_b_deg").reason, "no_azimuth_coverage");
     for (const double level : {1.0, 0.0, -2.0}) {
         for (Scan& scan : scans.scans)
             std::fill(scan.intensity.begin(), scan.intensity.end(), level);
