@@ -1,18 +1,17 @@
 // How well simulated scans are recovered, and how fast. Prints one JSON object; tests/bench/fit.py
 // runs it and writes the rows.
 //
-//   bench_fit recovery TRIALS SEED [CASE ...]   each case fitted as it is, and without aperture,
-//   tilt and gain terms bench_fit speed REPEATS                     seconds of full fits, the
-//   median bench_fit points TRIALS SEED                error and time against number of readings
-//   and of starts bench_fit extremes                          what becomes of stiff and of hopeless
-//   data
+//   bench_fit recovery TRIALS SEED [CASE ...]   as it is, and without aperture, tilt and gain terms
+//   bench_fit speed REPEATS                     seconds of full fits, the median
+//   bench_fit points TRIALS SEED                error and time against readings and starts
+//   bench_fit extremes                          what becomes of stiff and of hopeless data
 //
 // A trial: the part's lobe at a random azimuth, a random gain per scan (1 %), noise of 0.5 % of the
 // signal and 0.02 % of the peak, a pedestal of 0.5 % of the peak, source and detector of 0.2
-// degrees, the normal leaning by up to 0.2 degrees. Cases a_*: protocol (a), any direction of the
-// lean. Cases b_*: protocol (b), one position of the sample, so the lean lies in the plane of
-// incidence: across it nothing could be seen. Cases bt_*: protocol (b) with the sample at 0 and at
-// 90 degrees, any lean. Truth by the reference evaluation at 550 nm.
+// degrees, the normal leaning by up to 0.2 degrees. Cases a_*: protocol (a), and b_*: protocol (b),
+// any direction of the lean. bp_*: protocol (b), the lean in the plane of incidence, as after a
+// sample was set upright across it. bt_*: protocol (b) with the sample at 0 and at 90 degrees, any
+// lean. Truth by the reference evaluation at 550 nm.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -43,7 +42,7 @@ struct Case {
     const char* name;
     ScanPart part;
     double mu_t_deg, mu_b_deg;
-    char protocol;  // a, b, or t: b with the sample turned
+    char protocol;  // a, b, t: b with the sample turned, p: b with the lean in the plane
 };
 constexpr Case cases[] = {{"a_12_9", ScanPart::hamon, 12, 9, 'a'},
                           {"a_8_5", ScanPart::hamon, 8, 5, 'a'},
@@ -54,6 +53,8 @@ constexpr Case cases[] = {{"a_12_9", ScanPart::hamon, 12, 9, 'a'},
                           {"b_0.5", ScanPart::ji, 0.5, 0.5, 'b'},
                           {"b_1", ScanPart::ji, 1, 1, 'b'},
                           {"b_2", ScanPart::ji, 2, 2, 'b'},
+                          {"bp_0.3", ScanPart::ji, 0.3, 0.3, 'p'},
+                          {"bp_0.5", ScanPart::ji, 0.5, 0.5, 'p'},
                           {"bt_0.3", ScanPart::ji, 0.3, 0.3, 't'},
                           {"bt_0.5", ScanPart::ji, 0.5, 0.5, 't'},
                           {"bt_1", ScanPart::ji, 1, 1, 't'},
@@ -63,6 +64,7 @@ struct Truth {
     MaterialLobe lobe;
     SimulationOptions options;
     Material material;
+    double pedestal = 0;  // 1/sr
 };
 
 Truth truth_of(const Case& c, std::uint64_t seed) {
@@ -81,13 +83,19 @@ Truth truth_of(const Case& c, std::uint64_t seed) {
     t.options.channels = {"intensity_550nm"};
     t.options.pedestal = 0.005;
     const double lean = 0.2 * random.uniform(), towards = 2 * pi * random.uniform();
-    if (c.protocol == 'b') {
+    if (c.protocol == 'p') {
         t.options.tilt_t_deg = random.uniform() < 0.5 ? lean : -lean;
     } else {
         t.options.tilt_t_deg = lean * std::cos(towards);
         t.options.tilt_b_deg = lean * std::sin(towards);
     }
     t.options.seed = seed ^ 0x5bd1e995U;
+    SimulationOptions perfect = t.options;
+    perfect.noise_relative = perfect.noise_floor = perfect.gain_error = perfect.pedestal = 0;
+    for (const Scan& scan : simulate_scan(t.material, c.part, perfect, 1).scans) {
+        for (const double v : scan.intensity)
+            t.pedestal = std::max(t.pedestal, t.options.pedestal * v);
+    }
     return t;
 }
 
@@ -125,22 +133,33 @@ struct Errors {
 };
 
 struct Tally {
-    Errors mu_t, mu_b, rho, weight;
+    Errors mu_t, mu_b, rho, weight, pedestal, tilt_t, tilt_b, receive;
+    std::vector<double> rho_sigmas;  // what the readings tell of it at best
     std::size_t haze = 0, round = 0, failed = 0;
     double seconds = 0, chi2 = 0;
 
-    void add(const Case& c, const MaterialLobe& truth, const Fit& fit) {
-        const char* weight_name = c.part == ScanPart::ji ? "chi" : "beta";
+    // Errors of a parameter that the scans can tell.
+    static void judge(Errors& errors, const FitParameter* p, double truth, double unit) {
+        if (p != nullptr && p->determined) errors.add(p->value - truth, p->sigma, unit);
+    }
+
+    void add(const Case& c, const Truth& truth, const Fit& fit) {
+        const MaterialLobe& lobe = truth.lobe;
         const FitParameter *t = find(fit, "mu_t_deg"), *b = find(fit, "mu_b_deg"),
-                           *w = find(fit, weight_name), *r = find(fit, "rho_deg");
-        mu_t.add(t->value - truth.mu_t_deg, t->sigma, 0.01 * truth.mu_t_deg);
-        weight.add(w->value - truth.weight, w->sigma, 0.01 * truth.weight);
+                           *w = find(fit, c.part == ScanPart::ji ? "chi" : "beta"),
+                           *r = find(fit, "rho_deg");
+        mu_t.add(t->value - lobe.mu_t_deg, t->sigma, 0.01 * lobe.mu_t_deg);
+        weight.add(w->value - lobe.weight, w->sigma, 0.01 * lobe.weight);
         if (c.mu_t_deg > 1.1 * c.mu_b_deg) {
-            mu_b.add(b->value - truth.mu_b_deg, b->sigma, 0.01 * truth.mu_b_deg);
-            rho.add(std::remainder(r->value - truth.rho_deg, 180.0), r->sigma, 1);
+            mu_b.add(b->value - lobe.mu_b_deg, b->sigma, 0.01 * lobe.mu_b_deg);
+            rho.add(std::remainder(r->value - lobe.rho_deg, 180.0), r->sigma, 1);
+            rho_sigmas.push_back(r->sigma);
         }
+        judge(pedestal, find(fit, "pedestal_550nm"), truth.pedestal, 0.01 * truth.pedestal);
+        judge(tilt_t, find(fit, "tilt_t_deg"), truth.options.tilt_t_deg, 1);
+        judge(tilt_b, find(fit, "tilt_b_deg"), truth.options.tilt_b_deg, 1);
+        judge(receive, find(fit, "receive_offset_deg"), 0, 1);
         haze += find(fit, "haze_share") != nullptr ? 1 : 0;
-        round += fit.record.parameters[3].reason == "isotropic" ? 1 : 0;
         seconds += fit.seconds;
         chi2 += fit.record.chi2_reduced;
     }
@@ -153,11 +172,30 @@ struct Tally {
             rho.print("rho_deg", ", ");
         }
         weight.print("weight_pct", ", ");
+        const std::pair<const char*, const Errors*> others[] = {{"pedestal_pct", &pedestal},
+                                                                {"tilt_t_deg", &tilt_t},
+                                                                {"tilt_b_deg", &tilt_b},
+                                                                {"receive_offset_deg", &receive}};
+        for (const auto& [title, errors] : others) {
+            if (!errors->size.empty()) errors->print(title, ", ");
+        }
         std::printf(
             ", \"haze_chosen\": %zu, \"failed\": %zu, \"seconds\": %.5g, \"chi2_reduced\": %.5g}",
             haze, failed, seconds / n, chi2 / n);
     }
 };
+
+// The median size of errors that have these standard deviations.
+double median_of_normals(const std::vector<double>& sigmas) {
+    double low = 0, high = 10 * *std::max_element(sigmas.begin(), sigmas.end());
+    for (int step = 0; step < 60; ++step) {
+        const double middle = 0.5 * (low + high);
+        double below = 0;
+        for (const double sigma : sigmas) below += std::erf(middle / (sigma * std::sqrt(2.0)));
+        (below < 0.5 * static_cast<double>(sigmas.size()) ? low : high) = middle;
+    }
+    return low;
+}
 
 void recover(const Case& c, std::size_t trials, std::uint64_t seed) {
     Tally with, without;
@@ -173,7 +211,7 @@ void recover(const Case& c, std::size_t trials, std::uint64_t seed) {
                 try {
                     const Fit fit = fit_scans(scans, all_terms ? FitOptions{} : bare);
                     const std::scoped_lock hold(lock);
-                    tally.add(c, t.lobe, fit);
+                    tally.add(c, t, fit);
                 } catch (const InputError& error) {
                     const std::scoped_lock hold(lock);
                     std::fprintf(stderr, "%s: %s\n", c.name, error.what());
@@ -186,6 +224,8 @@ void recover(const Case& c, std::size_t trials, std::uint64_t seed) {
     with.print("fit", trials);
     std::printf(", ");
     without.print("without_terms", trials);
+    if (!with.rho_sigmas.empty())
+        std::printf(", \"rho_deg_at_best\": %.6g", median_of_normals(with.rho_sigmas));
     std::printf("}");
     std::fflush(stdout);
 }
@@ -255,7 +295,7 @@ void points(std::size_t trials, std::uint64_t seed) {
                 FitOptions options;
                 options.starts = starts;
                 const Fit fit = fit_scans(scans, options);
-                tally.add(c, t.lobe, fit);
+                tally.add(c, t, fit);
                 readings = scans.readings();
             }
             std::printf("%s\n{\"readings\": %zu, \"starts\": %d, ", first ? "" : ",", readings,
