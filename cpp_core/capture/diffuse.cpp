@@ -1,0 +1,582 @@
+#include "capture/diffuse.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+
+#include <Eigen/Dense>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "brdf/model.hpp"
+
+namespace togishi {
+namespace {
+
+/// ln mu at which the lobes' radiances are kept, about the material's own.
+constexpr int nodes = 13;
+constexpr double node_range = 1.2;
+constexpr double node_step = 2 * node_range / (nodes - 1);
+constexpr int no_parameters = 3;  // w, s_ji, s_ha
+using Vector = Eigen::Matrix<double, no_parameters, 1>;
+using Matrix = Eigen::Matrix<double, no_parameters, no_parameters>;
+
+/// Radiances of both lobes over ln mu, for one photograph at one pixel.
+struct Curves {
+    std::array<float, nodes> f{}, t{};
+};
+
+struct Sample {
+    double value = 0, slope = 0;
+};
+
+// Cubic through four nodes (Catmull-Rom): smooth, so that a fit does not stick at a node.
+Sample sample(const std::array<float, nodes>& curve, double s) {
+    const double x = std::clamp((s + node_range) / node_step, 0.0, nodes - 1.0);
+    const int i = std::min(static_cast<int>(x), nodes - 2);
+    const double t = x - i;
+    const auto at = [&](int k) { return static_cast<double>(curve[static_cast<std::size_t>(k)]); };
+    const double p1 = at(i), p2 = at(i + 1), p0 = i > 0 ? at(i - 1) : 2 * p1 - p2,
+                 p3 = i + 2 < nodes ? at(i + 2) : 2 * p2 - p1;
+    const double a = 0.5 * (3 * (p1 - p2) + p3 - p0), b = p0 - 2.5 * p1 + 2 * p2 - 0.5 * p3,
+                 c = 0.5 * (p2 - p0);
+    return {p1 + t * (c + t * (b + t * a)), (c + t * (2 * b + t * 3 * a)) / node_step};
+}
+
+struct Reading {
+    double radiance, sigma;
+};
+
+// One pixel's problem.
+class Pixel {
+  public:
+    Pixel(const std::vector<Curves>& curves, const std::vector<Reading>& readings, double spread)
+        : curves_(curves), readings_(readings), spread_(spread) {}
+
+    struct Linear {
+        double chi2 = 0;
+        Matrix information = Matrix::Zero();  // without the prior
+        Vector gradient = Vector::Zero();
+    };
+    [[nodiscard]] Linear linearise(const Vector& x) const {
+        Linear out;
+        for (std::size_t p = 0; p < readings_.size(); ++p) {
+            const Sample f = sample(curves_[p].f, x[1]), t = sample(curves_[p].t, x[2]);
+            const double inverse = 1 / readings_[p].sigma;
+            const double r =
+                (readings_[p].radiance - (1 - x[0]) * f.value - x[0] * t.value) * inverse;
+            const Vector j =
+                Vector(t.value - f.value, (1 - x[0]) * f.slope, x[0] * t.slope) * inverse;
+            out.chi2 += r * r;
+            out.information += j * j.transpose();
+            out.gradient += j * r;
+        }
+        return out;
+    }
+    [[nodiscard]] double prior(const Vector& x) const {
+        return (x[1] * x[1] + x[2] * x[2]) / (spread_ * spread_);
+    }
+    [[nodiscard]] double cost(const Vector& x) const {
+        double sum = prior(x);
+        for (std::size_t p = 0; p < readings_.size(); ++p) {
+            const double r =
+                (readings_[p].radiance - (1 - x[0]) * sample(curves_[p].f, x[1]).value -
+                 x[0] * sample(curves_[p].t, x[2]).value) /
+                readings_[p].sigma;
+            sum += r * r;
+        }
+        return sum;
+    }
+    /// The best w in [0, 1] for given lobes.
+    [[nodiscard]] double best_w(double s_ji, double s_ha) const {
+        double top = 0, bottom = 0;
+        for (std::size_t p = 0; p < readings_.size(); ++p) {
+            const double f = sample(curves_[p].f, s_ji).value,
+                         d = sample(curves_[p].t, s_ha).value - f;
+            const double weight = 1 / (readings_[p].sigma * readings_[p].sigma);
+            top += weight * d * (readings_[p].radiance - f);
+            bottom += weight * d * d;
+        }
+        return bottom > 0 ? std::clamp(top / bottom, 0.0, 1.0) : 0.5;
+    }
+    /// Levenberg-Marquardt within 0 <= w <= 1 and the nodes' range.
+    [[nodiscard]] Vector refine(Vector x) const {
+        double lambda = 1e-3, best = cost(x);
+        for (int step = 0; step < 25; ++step) {
+            Linear l = linearise(x);
+            const double inverse = 1 / (spread_ * spread_);
+            for (const int k : {1, 2}) {
+                l.information(k, k) += inverse;
+                l.gradient[k] -= inverse * x[k];
+            }
+            // A w that is held at its border takes no part.
+            const bool held = (x[0] <= 0 && l.gradient[0] < 0) || (x[0] >= 1 && l.gradient[0] > 0);
+            if (held) {
+                l.information.row(0).setZero();
+                l.information.col(0).setZero();
+                l.information(0, 0) = 1;
+                l.gradient[0] = 0;
+            }
+            Matrix damped = l.information;
+            damped.diagonal() *= 1 + lambda;
+            damped.diagonal().array() += 1e-12;
+            Vector next = x + damped.ldlt().solve(l.gradient);
+            next[0] = std::clamp(next[0], 0.0, 1.0);
+            for (const int k : {1, 2}) next[k] = std::clamp(next[k], -node_range, node_range);
+            const double found = cost(next);
+            if (found <= best) {
+                const double gain = best - found;
+                x = next;
+                best = found;
+                lambda = std::max(lambda * 0.2, 1e-9);
+                if (gain < 1e-6 * (1 + best)) break;
+            } else {
+                lambda *= 8;
+                if (lambda > 1e9) break;
+            }
+        }
+        return x;
+    }
+
+  private:
+    const std::vector<Curves>& curves_;
+    const std::vector<Reading>& readings_;
+    double spread_;
+};
+
+struct Answer {
+    Vector x = Vector::Zero();
+    Vector sigma = Vector::Zero();
+    double sigma_lead = 0;  // of the leading lobe's ln mu, by the photographs alone
+    double chi2 = 0;
+    bool ambiguous = false;
+};
+
+double safe_root(double v) {
+    return v > 0 ? std::sqrt(v) : 0.0;
+}
+
+Answer solve_pixel(const std::vector<Curves>& curves, const std::vector<Reading>& readings,
+                   double spread, bool fit_mu) {
+    const Pixel pixel(curves, readings, spread);
+    Answer answer;
+    // Starts: each lobe in turn over its range, w by the straight line.
+    std::array<Vector, 2 * nodes> starts;
+    starts.fill(Vector::Zero());
+    std::array<double, 2 * nodes> costs{};
+    std::size_t count = 0;
+    const int stride = fit_mu ? 1 : nodes;
+    for (int lobe = 0; lobe < (fit_mu ? 2 : 1); ++lobe) {
+        for (int k = 0; k < nodes; k += stride) {
+            const double s = fit_mu ? -node_range + k * node_step : 0;
+            Vector x(0, lobe == 0 ? s : 0, lobe == 1 ? s : 0);
+            x[0] = pixel.best_w(x[1], x[2]);
+            starts[count] = x;
+            costs[count++] = pixel.cost(x);
+        }
+    }
+    std::array<Vector, 3> found;
+    found.fill(Vector::Zero());
+    std::array<double, 3> found_cost{};
+    std::size_t solutions = 0;
+    for (std::size_t k = 0; k < count && solutions < found.size(); ++k) {
+        // Only valleys of the scan.
+        const std::size_t base = k < nodes ? 0 : nodes, end = std::min(base + nodes, count);
+        const bool valley =
+            (k == base || costs[k] <= costs[k - 1]) && (k + 1 == end || costs[k] < costs[k + 1]);
+        if (!valley) continue;
+        found[solutions] = pixel.refine(starts[k]);
+        found_cost[solutions] = pixel.cost(found[solutions]);
+        ++solutions;
+    }
+    if (solutions == 0) found[solutions++] = pixel.refine(starts[0]);
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < solutions; ++k)
+        if (found_cost[k] < found_cost[best]) best = k;
+    answer.x = found[best];
+    for (std::size_t k = 0; k < solutions; ++k) {
+        // Another answer nearly as good: within two standard deviations.
+        if (found_cost[k] - found_cost[best] > 4) continue;
+        const Vector d = found[k] - answer.x;
+        const int lead = answer.x[0] > 0.5 ? 2 : 1;
+        if (std::abs(d[0]) > 0.15 || std::abs(d[lead]) > 0.25) answer.ambiguous = true;
+    }
+    const Pixel::Linear l = pixel.linearise(answer.x);
+    answer.chi2 = l.chi2;
+    const double inverse = 1 / (spread * spread);
+    Matrix full = l.information;
+    full(1, 1) += inverse;
+    full(2, 2) += inverse;
+    // What no photograph sees of w is as wide as w's own range.
+    full(0, 0) += 12;
+    const Matrix covariance = full.inverse();
+    for (int k = 0; k < no_parameters; ++k) answer.sigma[k] = safe_root(covariance(k, k));
+    const int lead = answer.x[0] > 0.5 ? 2 : 1;
+    Matrix alone = full;
+    alone(lead, lead) -= inverse;
+    const Eigen::FullPivLU<Matrix> lu(alone);
+    answer.sigma_lead = lu.isInvertible() ? safe_root(lu.inverse()(lead, lead))
+                                          : std::numeric_limits<double>::infinity();
+    if (answer.sigma_lead == 0) answer.sigma_lead = std::numeric_limits<double>::infinity();
+    return answer;
+}
+
+// The lobes' radiances at a pixel.
+class CurveMaker {
+  public:
+    CurveMaker(const SurfaceView& view, const std::vector<DiffusePhotograph>& photographs,
+               const DiffuseOptions& options)
+        : view_(view),
+          photographs_(photographs),
+          fresnel_(options.metal, options.light),
+          weights_{options.ji.weight, options.ha.weight},
+          ji_(stored_lobe(options.ji)),
+          ha_(stored_lobe(options.ha)) {
+        const double wide =
+            std::max(options.ji.mu_t_deg, options.ha.mu_t_deg) * std::exp(node_range);
+        max_phi_ = std::min(4.3 * wide, 75.0) * double(TG_RAD_PER_DEG);
+    }
+    [[nodiscard]] std::vector<Curves> at(std::size_t pixel) const {
+        const glm::dvec3 point = view_.position_mm[pixel];
+        const SurfacePose pose{point, glm::normalize(glm::dvec3(view_.normal[pixel])),
+                               glm::dvec3(view_.tangent[pixel]), view_.camera.view(point)};
+        std::vector<Curves> curves(photographs_.size());
+        for (std::size_t p = 0; p < photographs_.size(); ++p) {
+            const DiffuseResponse response(photographs_[p].source, pose, fresnel_, weights_,
+                                           max_phi_);
+            for (std::size_t k = 0; k < nodes; ++k) {
+                const double s = -node_range + static_cast<double>(k) * node_step;
+                curves[p].f[k] = static_cast<float>(response.ji({ji_[0] + s, ji_[1], ji_[2]}));
+                curves[p].t[k] = static_cast<float>(response.ha({ha_[0] + s, ha_[1], ha_[2]}));
+            }
+        }
+        return curves;
+    }
+
+  private:
+    const SurfaceView& view_;
+    const std::vector<DiffusePhotograph>& photographs_;
+    LuminousFresnel fresnel_;
+    LobeWeights weights_;
+    std::array<double, 3> ji_, ha_;
+    double max_phi_ = 0;
+};
+
+void check(const SurfaceView& view, const std::vector<DiffusePhotograph>& photographs,
+           const DiffuseOptions& options) {
+    if (photographs.empty()) throw InputError("diffuse", "photographs", "none", "one or more");
+    const std::size_t n = view.pixels();
+    for (std::size_t p = 0; p < photographs.size(); ++p) {
+        const DiffusePhotograph& photograph = photographs[p];
+        for (const std::size_t size :
+             {photograph.radiance.size(), photograph.sigma.size(), photograph.clipped.size()}) {
+            if (size != n) {
+                throw InputError("diffuse", "photograph " + std::to_string(p + 1),
+                                 std::to_string(size) + " pixels",
+                                 std::to_string(n) + ", as the surface has");
+            }
+        }
+        check_source(photograph.source, "photograph " + std::to_string(p + 1));
+    }
+    const auto positive = [](const char* field, double value) {
+        if (!(value > 0 && value < 10))
+            throw InputError("diffuse", field, std::to_string(value), "above 0, to 10");
+    };
+    positive("spread", options.spread);
+    positive("known_spread", options.known_spread);
+    positive("max_sigma_w", options.max_sigma_w);
+    positive("max_sigma_ln_mu", options.max_sigma_ln_mu);
+    if (!(options.model_error >= 0 && options.model_error < 1))
+        throw InputError("diffuse", "model_error", std::to_string(options.model_error), "0 to 1");
+}
+
+DiffuseResult empty_result(std::size_t width, std::size_t height, const DiffuseOptions& options) {
+    DiffuseResult result;
+    const std::size_t n = width * height;
+    result.width = width;
+    result.height = height;
+    for (auto* plane :
+         {&result.w, &result.sigma_w, &result.sigma_ji, &result.sigma_ha, &result.chi2})
+        plane->assign(n, 0.0F);
+    result.ji_ln_mu_deg.assign(n, static_cast<float>(stored_lobe(options.ji)[0]));
+    result.ha_ln_mu_deg.assign(n, static_cast<float>(stored_lobe(options.ha)[0]));
+    result.mask.assign(n, mask_unseen);
+    return result;
+}
+
+}  // namespace
+
+std::size_t DiffuseResult::seen() const {
+    return static_cast<std::size_t>(std::count_if(
+        mask.begin(), mask.end(), [](std::uint8_t m) { return (m & mask_unseen) == 0; }));
+}
+
+std::size_t DiffuseResult::masked(std::uint8_t bits) const {
+    return static_cast<std::size_t>(std::count_if(mask.begin(), mask.end(), [&](std::uint8_t m) {
+        return (m & mask_unseen) == 0 && (m & bits) != 0;
+    }));
+}
+
+DiffuseResult solve_diffuse(const SurfaceView& view,
+                            const std::vector<DiffusePhotograph>& photographs,
+                            const DiffuseOptions& options, const DiffuseProgress& progress) {
+    check(view, photographs, options);
+    const auto width = static_cast<std::size_t>(view.camera.width_px),
+               height = static_cast<std::size_t>(view.camera.height_px);
+    DiffuseResult result = empty_result(width, height, options);
+    const bool fit_mu = photographs.size() > 1;
+    const double spread = fit_mu ? options.spread : options.known_spread;
+    result.mu_measured = fit_mu;
+    const CurveMaker maker(view, photographs, options);
+    std::atomic<std::size_t> rows_done{0};
+    std::atomic<bool> cancelled{false};
+    std::mutex telling;
+    parallel_for(
+        height, 1,
+        [&](std::size_t begin, std::size_t end) {
+            for (std::size_t y = begin; y < end && !cancelled; ++y) {
+                for (std::size_t x = 0; x < width; ++x) {
+                    const std::size_t i = y * width + x;
+                    if (view.seen[i] == 0) continue;
+                    std::uint8_t mask = 0;
+                    std::vector<Reading> readings;
+                    readings.reserve(photographs.size());
+                    for (const DiffusePhotograph& p : photographs) {
+                        const double model =
+                            options.model_error * std::max(1.0, std::abs(double(p.radiance[i])));
+                        readings.push_back({p.radiance[i], std::hypot(double(p.sigma[i]), model)});
+                        if (p.clipped[i] != 0) mask |= mask_clipped;
+                        if (!std::isfinite(p.radiance[i]) || !(p.sigma[i] > 0) ||
+                            !std::isfinite(p.sigma[i]))
+                            mask |= mask_not_finite;
+                    }
+                    if ((mask & mask_not_finite) != 0) {
+                        result.mask[i] = mask;
+                        result.sigma_w[i] = 1;
+                        continue;
+                    }
+                    const Answer answer = solve_pixel(maker.at(i), readings, spread, fit_mu);
+                    if (answer.sigma[0] > options.max_sigma_w) mask |= mask_flat_w;
+                    if (!fit_mu || answer.sigma_lead > options.max_sigma_ln_mu)
+                        mask |= mask_flat_mu;
+                    if (answer.ambiguous) mask |= mask_ambiguous;
+                    if (answer.chi2 > options.max_misfit * static_cast<double>(readings.size()))
+                        mask |= mask_misfit;
+                    result.mask[i] = mask;
+                    result.w[i] = static_cast<float>(answer.x[0]);
+                    result.sigma_w[i] = static_cast<float>(answer.sigma[0]);
+                    result.ji_ln_mu_deg[i] += fit_mu ? static_cast<float>(answer.x[1]) : 0.0F;
+                    result.ha_ln_mu_deg[i] += fit_mu ? static_cast<float>(answer.x[2]) : 0.0F;
+                    result.sigma_ji[i] = static_cast<float>(answer.sigma[1]);
+                    result.sigma_ha[i] = static_cast<float>(answer.sigma[2]);
+                    result.chi2[i] = static_cast<float>(answer.chi2);
+                }
+                const std::size_t done = ++rows_done;
+                if (progress) {
+                    const std::scoped_lock lock(telling);
+                    if (!progress(static_cast<double>(done) / static_cast<double>(height)))
+                        cancelled = true;
+                }
+            }
+        },
+        options.threads);
+    if (cancelled) throw DiffuseCancelled{};
+    const std::size_t seen = result.seen();
+    if (seen == 0)
+        throw InputError("diffuse", "surface", "not in the picture", "a surface that is seen");
+    if (result.masked(mask_flat_w) == seen && (result.masked(mask_flat_mu) == seen)) {
+        throw InputError("diffuse", "sources", "tell neither w nor mu at any pixel",
+                         "sources that leave some directions dark (under an even hemisphere every "
+                         "polish has the same radiance), and less noise");
+    }
+    return result;
+}
+
+DiffuseResult solve_by_references(std::size_t width, std::size_t height,
+                                  const std::vector<DiffusePhotograph>& photographs,
+                                  const std::vector<ReferenceArea>& references,
+                                  const DiffuseOptions& options) {
+    if (photographs.empty()) throw InputError("diffuse", "photographs", "none", "one or more");
+    const std::size_t n = width * height;
+    for (const DiffusePhotograph& p : photographs) {
+        if (p.radiance.size() != n || p.sigma.size() != n || p.clipped.size() != n)
+            throw InputError("diffuse", "photograph", std::to_string(p.radiance.size()) + " pixels",
+                             std::to_string(n));
+    }
+    for (const ReferenceArea& area : references) {
+        if (area.x < 0 || area.y < 0 || area.width < 1 || area.height < 1 ||
+            static_cast<std::size_t>(area.x + area.width) > width ||
+            static_cast<std::size_t>(area.y + area.height) > height) {
+            throw InputError("reference", "box_px",
+                             std::to_string(area.x) + ", " + std::to_string(area.y) + ", " +
+                                 std::to_string(area.width) + ", " + std::to_string(area.height),
+                             "x, y, width, height within the picture of " + std::to_string(width) +
+                                 " x " + std::to_string(height));
+        }
+    }
+    struct Level {
+        double mean = 0, sigma = 0, count = 0;
+    };
+    std::vector<std::array<Level, 2>> levels(photographs.size());
+    for (std::size_t p = 0; p < photographs.size(); ++p) {
+        for (const ReferenceArea& area : references) {
+            Level& level = levels[p][area.ha ? 1 : 0];
+            for (int y = area.y; y < area.y + area.height; ++y) {
+                for (int x = area.x; x < area.x + area.width; ++x) {
+                    const std::size_t i =
+                        static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+                    if (photographs[p].clipped[i] != 0 ||
+                        !std::isfinite(photographs[p].radiance[i]))
+                        continue;
+                    level.mean += photographs[p].radiance[i];
+                    level.sigma += photographs[p].sigma[i];
+                    level.count += 1;
+                }
+            }
+        }
+        for (const int kind : {0, 1}) {
+            Level& level = levels[p][static_cast<std::size_t>(kind)];
+            if (level.count == 0) {
+                throw InputError("diffuse", "reference",
+                                 kind == 0 ? "no area of ji" : "no area of hamon",
+                                 "without the sources' geometry, one area that is all ji and one "
+                                 "that is all hamon, not clipped");
+            }
+            level.mean /= level.count;
+            level.sigma /= level.count;
+        }
+        const double apart = std::abs(levels[p][1].mean - levels[p][0].mean);
+        if (!(apart > 5 * std::max(levels[p][0].sigma, levels[p][1].sigma))) {
+            throw InputError("diffuse", "reference",
+                             "areas that look alike (" + std::to_string(levels[p][0].mean) + ", " +
+                                 std::to_string(levels[p][1].mean) + ")",
+                             "radiances more than 5 standard deviations apart");
+        }
+    }
+    DiffuseResult result = empty_result(width, height, options);
+    for (std::size_t i = 0; i < n; ++i) {
+        std::uint8_t mask = mask_flat_mu;
+        double top = 0, bottom = 0;
+        for (std::size_t p = 0; p < photographs.size(); ++p) {
+            const DiffusePhotograph& photograph = photographs[p];
+            if (photograph.clipped[i] != 0) mask |= mask_clipped;
+            const double d = levels[p][1].mean - levels[p][0].mean;
+            const double sigma = photograph.sigma[i];
+            if (!std::isfinite(photograph.radiance[i]) || !(sigma > 0) || !std::isfinite(sigma)) {
+                mask |= mask_not_finite;
+                continue;
+            }
+            top += d * (photograph.radiance[i] - levels[p][0].mean) / (sigma * sigma);
+            bottom += d * d / (sigma * sigma);
+        }
+        if ((mask & mask_not_finite) == 0) {
+            const double w = top / bottom, sigma = 1 / std::sqrt(bottom);
+            result.w[i] = static_cast<float>(std::clamp(w, 0.0, 1.0));
+            result.sigma_w[i] = static_cast<float>(sigma);
+            if (sigma > options.max_sigma_w) mask |= mask_flat_w;
+            // Far outside the line between the areas: another part, another geometry.
+            const double beyond = std::max({w - 1, -w, 0.0});
+            result.chi2[i] = static_cast<float>(beyond * beyond / (sigma * sigma));
+            if (beyond > 0.25 + 3 * sigma) mask |= mask_misfit;
+        }
+        result.mask[i] = mask;
+    }
+    result.calibration =
+        "two reference areas; the source's geometry is unknown, so w holds for surfaces that lie "
+        "as they do";
+    return result;
+}
+
+double PictureNoise::sigma(double value) const {
+    return std::sqrt(gain * std::max(value, 0.0) + read * read + quantum * quantum / 12);
+}
+
+PictureNoise estimate_noise(const std::vector<float>& picture, std::size_t width,
+                            std::size_t height) {
+    // Differences of four neighbours, in which slopes cancel; by level, the median of their size.
+    struct Level {
+        std::vector<double> differences;
+        double sum = 0;
+    };
+    constexpr std::size_t levels = 16;
+    std::array<Level, levels> level;
+    float top = 0;
+    for (const float v : picture)
+        if (std::isfinite(v)) top = std::max(top, v);
+    if (!(top > 0)) return {};
+    for (std::size_t y = 0; y + 1 < height; ++y) {
+        for (std::size_t x = 0; x + 1 < width; ++x) {
+            const std::size_t i = y * width + x;
+            const double a = picture[i], b = picture[i + 1], c = picture[i + width],
+                         d = picture[i + width + 1];
+            const double mean = 0.25 * (a + b + c + d), difference = 0.5 * (a - b - c + d);
+            if (!std::isfinite(mean)) continue;
+            const auto k =
+                static_cast<std::size_t>(std::clamp(mean / double(top), 0.0, 0.999) * levels);
+            level[k].differences.push_back(std::abs(difference));
+            level[k].sum += mean;
+        }
+    }
+    // Variance against level, a straight line through the levels that have enough pixels.
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (Level& one : level) {
+        if (one.differences.size() < 64) continue;
+        const auto middle =
+            one.differences.begin() + static_cast<std::ptrdiff_t>(one.differences.size() / 2);
+        std::nth_element(one.differences.begin(), middle, one.differences.end());
+        const double sigma = *middle / 0.6745;
+        const double x = one.sum / static_cast<double>(one.differences.size());
+        const double weight = std::sqrt(static_cast<double>(one.differences.size()));
+        n += weight;
+        sx += weight * x;
+        sy += weight * sigma * sigma;
+        sxx += weight * x * x;
+        sxy += weight * x * sigma * sigma;
+    }
+    PictureNoise noise;
+    if (n == 0) {
+        noise.read = 0.01 * top;
+        return noise;
+    }
+    const double det = n * sxx - sx * sx;
+    noise.gain = det > 1e-12 * n * sxx ? std::max((n * sxy - sx * sy) / det, 0.0) : 0;
+    noise.read = std::sqrt(std::max((sy - noise.gain * sx) / n, 1e-12 * top * top));
+    return noise;
+}
+
+PropertyMaps diffuse_maps(const DiffuseResult& result, const DiffuseOptions& options) {
+    PropertyMaps maps;
+    maps.width = result.width;
+    maps.height = result.height;
+    const auto ji = stored_lobe(options.ji), ha = stored_lobe(options.ha);
+    maps[MapChannel::ji_e1] = {static_cast<float>(ji[1])};
+    maps[MapChannel::ji_e2] = {static_cast<float>(ji[2])};
+    maps[MapChannel::ha_e1] = {static_cast<float>(ha[1])};
+    maps[MapChannel::ha_e2] = {static_cast<float>(ha[2])};
+    maps[MapChannel::h] = {0.0F};
+    const auto plane = [&](const std::vector<float>& from) {
+        std::vector<float> to(from.size());
+        for (std::size_t row = 0; row < result.height; ++row) {
+            std::copy_n(
+                from.begin() + static_cast<std::ptrdiff_t>(row * result.width), result.width,
+                to.begin() + static_cast<std::ptrdiff_t>((result.height - 1 - row) * result.width));
+        }
+        return to;
+    };
+    maps[MapChannel::ji_ln_mu_deg] = plane(result.ji_ln_mu_deg);
+    maps[MapChannel::ha_ln_mu_deg] = plane(result.ha_ln_mu_deg);
+    maps[MapChannel::w] = plane(result.w);
+    std::vector<float> part(result.w.size());
+    for (std::size_t i = 0; i < part.size(); ++i) {
+        part[i] = (result.mask[i] & mask_unseen) != 0 ? float(TG_PART_OTHER)
+                  : result.w[i] > 0.5F                ? float(TG_PART_HA)
+                                                      : float(TG_PART_JI);
+    }
+    maps[MapChannel::part] = plane(part);
+    return maps;
+}
+
+}  // namespace togishi
