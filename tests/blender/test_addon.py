@@ -94,6 +94,9 @@ def test_blenders_own_panels_show_for_our_engine(addon):  # noqa: F811
         for cls in bpy.types.Panel.__subclasses__()
         if "TOGISHI" in getattr(cls, "COMPAT_ENGINES", ()) and "togishi" not in cls.__module__
     }
+    from togishi.ui.shared_panels import EXCLUDED
+
+    assert not names & EXCLUDED
     assert {
         "DATA_PT_EEVEE_light",
         "DATA_PT_camera",

@@ -55,25 +55,33 @@ def properties_tab(shots: screen.Shots, tab: str, name: str) -> Steps:
     except TypeError:
         print(f"no tab {tab} here")
         return
-    yield from settle()
+    # Panels slide to their places, a step a redraw.
+    for _ in range(4):
+        yield from settle(0.4)
     yield from shots.area(area, name)
 
 
-def hover(shots: screen.Shots, name: str, region: bpy.types.Region, from_top: int) -> Steps:
-    """The tooltip of what lies in the middle of a region, so many px below its upper border; one must come up."""
-    window, result = screen.window(), []
-    at = (region.x + region.width // 2, region.y + region.height - from_top)
-    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0] - 9, y=at[1])
-    yield 0.2
+def hover(
+    shots: screen.Shots, name: str, region: bpy.types.Region, from_top: tuple[int, ...]
+) -> Steps:
+    """The tooltip in the middle of a region, so many px below its upper border: the first of these places that has
+    one. One must come up."""
+    window = screen.window()
     size = (window.width, window.height)
-    yield from shots.take(f"{name}_before", (0, 0), size, result)
-    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0], y=at[1])
-    yield 2.0
-    yield from shots.take(name, (0, 0), size, result, keep=True)
-    # The tooltip lies outside what the mouse highlights.
-    changed = np.abs(result[1].astype(int) - result[0]).max(axis=2) > 8
-    if int(changed.sum()) < 4000:
-        raise AssertionError(f"{name}: no tooltip at {at}: {int(changed.sum())} px changed")
+    for offset in from_top:
+        at = (region.x + region.width // 2, region.y + region.height - offset)
+        result: list[np.ndarray] = []
+        window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0] - 9, y=at[1])
+        yield 0.2
+        yield from shots.take(f"{name}_before", (0, 0), size, result)
+        window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at[0], y=at[1])
+        yield 2.0
+        yield from shots.take(name, (0, 0), size, result, keep=True)
+        # The button under the mouse, which lights up, is smaller.
+        changed = np.abs(result[1].astype(int) - result[0]).max(axis=2) > 8
+        if int(changed.sum()) > 4000:
+            return
+    raise AssertionError(f"{name}: no tooltip {from_top} px below the region's border")
 
 
 def baking(shots: screen.Shots) -> Steps:
@@ -105,7 +113,8 @@ def measurement(shots: screen.Shots) -> Steps:
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     with screen.override(view()):
         bpy.ops.scene.togishi_measurement_fit("INVOKE_DEFAULT", filepath=f"{OPTIONS.out}/")
-    yield from settle(1.5)
+    yield from screen.until(lambda: bool(screen.areas("FILE_BROWSER")), 30.0, "the file browser")
+    yield from settle(2.0)
     yield from shots.everything("fit_files")
     browser = screen.areas("FILE_BROWSER")[0]
     yield from screen.press("ESC", screen.centre(browser))
@@ -133,16 +142,15 @@ def measurement(shots: screen.Shots) -> Steps:
         file.unlink()
 
 
-# Below the upper border of their regions, with all panels open.
-BAKE_BUTTON_PX, TEXELS_PX, LOBE_PX = 418, 391, 330
+# Below the upper border of their regions, with all panels open; nothing below them has a tooltip of its own.
+BAKE_BUTTON_PX, LOBE_PX = (466, 442, 418), (412, 386)
 
 
 def tooltips(shots: screen.Shots) -> Steps:
-    yield from hover(shots, "tooltip", screen.region_of(view(), "UI"), TEXELS_PX)
     area = screen.areas("PROPERTIES")[0]
     area.spaces.active.context = "MATERIAL"
     yield from settle()
-    yield from hover(shots, "tooltip_lobe", screen.region_of(area), LOBE_PX)
+    yield from hover(shots, "tooltip", screen.region_of(area), LOBE_PX)
 
 
 def pictures() -> Steps:

@@ -26,7 +26,7 @@ LABELS = {
     "haze_width": "Haze, width",
     "tilt_t_deg": "Tilt along",
     "tilt_b_deg": "Tilt across",
-    "receive_offset_deg": "Receive angle's zero",
+    "receive_offset_deg": "Receive zero",
     "out_of_plane_deg": "Out of plane",
 }
 UNITS = {"deg": "°", "1": "", "relative": " (relative)"}

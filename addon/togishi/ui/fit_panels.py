@@ -7,16 +7,13 @@ import bpy
 from .. import blade_object, properties
 from ..core import native
 from ..core.fit_table import TARGETS, fit_table
-from .sentences import draw_sentence
+from .sentences import draw_pairs, draw_sentence
 
 
 def draw_table(layout: bpy.types.UILayout, record_json: str) -> None:
     table = fit_table(record_json)
     box = layout.box()
-    grid = box.grid_flow(row_major=True, columns=2, even_columns=False, align=True)
-    for row in table.rows:
-        grid.label(text=row.label)
-        grid.label(text=row.value, icon="NONE" if row.determined else "ERROR")
+    draw_pairs(box, [(row.label, row.value, row.determined) for row in table.rows])
     for row in table.rows:
         if row.reason:
             icon = "INFO" if row.determined else "ERROR"

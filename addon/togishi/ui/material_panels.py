@@ -20,9 +20,13 @@ def _lobe_row(layout: bpy.types.UILayout) -> tuple[bpy.types.UILayout, bpy.types
 
 def draw_lobe_header(layout: bpy.types.UILayout) -> None:
     name_part, numbers = _lobe_row(layout)
-    name_part.label(text="")
-    for text in ("μ wide (°)", "narrow (°)", "ρ (°)"):
-        numbers.label(text=text)
+    name_part.label(text="Degrees")
+    # A row would share the width out by the texts' lengths, and they would stand beside their columns.
+    columns = numbers.grid_flow(row_major=True, columns=3, even_columns=True, align=True)
+    for text in ("μ wide", "narrow", "ρ"):
+        cell = columns.row()
+        cell.alignment = "CENTER"
+        cell.label(text=text)
 
 
 def draw_lobe(
@@ -94,7 +98,7 @@ def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None
     if costs is None:
         draw_sentence(column, "Bake to see what one light's colours cost under others", "INFO")
     else:
-        draw_sentence(column, "Colour error under other lights, worst ΔE00:")
+        draw_sentence(column, "Worst ΔE00 under other lights:")
         grid = column.grid_flow(columns=2, even_columns=True)
         for name, cost in costs.items():
             cell = grid.row()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import blf
@@ -27,15 +28,37 @@ def _lines(text: str, width_px: float, size_px: float) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def draw_sentence(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
-    """Draw all of `text`, in as many lines as the region asks for; the icon stands before the first."""
+def _space_px(icon: str) -> tuple[float, float]:
+    """How wide a line may be beside an icon, and how large its letters are, both in px."""
     preferences = bpy.context.preferences
     scale = preferences.system.ui_scale or 1.0
     region = bpy.context.region
     width_px = region.width if region is not None else _FALLBACK_PX * scale
     width_px -= (_MARGIN_PX + (_ICON_PX if icon != "NONE" else 0)) * scale
+    return width_px, preferences.ui_styles[0].widget.points * scale
+
+
+def draw_pairs(layout: bpy.types.UILayout, rows: Sequence[tuple[str, str, bool]]) -> None:
+    """Names and values in two columns where both fit, else a line each. False: the row is warned of."""
+    width_px, size_px = _space_px("NONE")
+    blf.size(0, size_px)
+    name_px = size_px + max(blf.dimensions(0, name)[0] for name, _value, _good in rows)
+    value_px = max(blf.dimensions(0, value)[0] for _name, value, _good in rows)
+    column = layout.column(align=True)
+    for name, value, good in rows:
+        if name_px + value_px > width_px:
+            draw_sentence(column, f"{name}: {value}", "NONE" if good else "ERROR")
+            continue
+        split = column.split(factor=name_px / width_px, align=True)
+        split.alert = not good
+        split.label(text=name)
+        split.label(text=value)
+
+
+def draw_sentence(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
+    """Draw all of `text`, in as many lines as the region asks for; the icon stands before the first."""
+    width_px, size_px = _space_px(icon)
     column = layout.column(align=True)
     column.scale_y = 0.8  # lines of one sentence
-    size_px = preferences.ui_styles[0].widget.points * scale
     for index, line in enumerate(_lines(text, width_px, size_px)):
         column.label(text=line, icon="BLANK1" if index and icon != "NONE" else icon)

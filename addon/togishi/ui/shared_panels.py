@@ -42,7 +42,9 @@ def _panels() -> list[type]:
     found = []
     for cls in bpy.types.Panel.__subclasses__():
         engines = getattr(cls, "COMPAT_ENGINES", None)
-        if not engines or cls.__name__ in EXCLUDED or "togishi" in cls.__module__:
+        # Blender's copies for the node editor, named NODE_…, share the set of engines with their originals.
+        excluded = cls.__name__.removeprefix("NODE_") in EXCLUDED
+        if not engines or excluded or "togishi" in cls.__module__:
             continue
         common = "BLENDER_RENDER" in engines
         light = cls.__name__ in {
