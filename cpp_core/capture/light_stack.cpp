@@ -196,7 +196,7 @@ RegionLights LightStack::region(const glm::dvec3& normal, const glm::dvec3& plac
 StackReach LightStack::reach(const glm::dvec3& normal) const {
     const RegionLights r = region(glm::normalize(normal));
     return {r.spacing_deg, r.reach_deg, 0.65 * r.spacing_deg, 0.5 * r.spacing_deg,
-            r.reach_deg / 1.4};
+            RegionLights::widest_of(r.reach_deg)};
 }
 
 }  // namespace togishi

@@ -41,6 +41,9 @@ struct RegionLights {
     double spacing_deg = 1, reach_deg = 30;
     double cos_view = 1;
     [[nodiscard]] PixelLights view() const;
+    /// The widest half width that half vectors out to `reach` leave behind: at 1.3 mu a lobe is a
+    /// third of its peak.
+    [[nodiscard]] static double widest_of(double reach) { return reach / 1.3; }
 };
 
 /// What a set-up can see, before anything is fitted.
@@ -49,7 +52,7 @@ struct StackReach {
     double reach_deg;      ///< of the farthest half vector
     double mu_sure_deg;    ///< narrow half width that is measured: 0.65 spacing
     double mu_mostly_deg;  ///< 0.5 spacing: most pixels
-    double mu_widest_deg;  ///< the half vectors still leave the lobe: reach/1.4
+    double mu_widest_deg;  ///< RegionLights::widest_of
 };
 
 class LightStack {

@@ -45,6 +45,10 @@ struct PixelKernelOptions {
     float sigma_h_deg = 0.18F;   ///< error of a half vector, per axis
 };
 
+[[nodiscard]] constexpr int unknowns_of(const PixelKernelOptions& o) {
+    return 7 + (o.pedestal ? 1 : 0) + (o.haze ? 1 : 0);
+}
+
 /// Lights as the pixels of a block see them. Arrays of `count`, or of count * 16 where each pixel
 /// sees its own (near lights): stride 1 or 16.
 struct PixelLights {
@@ -80,12 +84,12 @@ struct PixelBlock {
     Lanes steps;         ///< Levenberg steps taken
 };
 
-/// What a light's own half vector does to a fitted pixel, (count, 16) each: whitened residual
-/// (0: not used) and its slopes over u and v.
+/// A fitted pixel's samples, whitened, for what pixels share: residual, (count, 16), and its slope
+/// over each unknown, (unknown, count, 16). All 0 where a sample is clipped or not used. The slope
+/// over a light's own half vector is minus that over the tilt.
 struct PixelSlopes {
     float* residual = nullptr;
-    float* by_u = nullptr;
-    float* by_v = nullptr;
+    float* by_unknown = nullptr;
 };
 
 /// `scratch`: (2 count, 16) floats.

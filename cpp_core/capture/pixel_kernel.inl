@@ -624,10 +624,21 @@ struct Fit {
             const I usable = (t > 0.0F) & (light<Near>(lights.gain, i, lane) > 0.0F);
             const V w = usable ? 1.0F / lanes::sqrt(variance) : lanes::all(0.0F);
             const V base = x[diffuse] * light<Near>(lights.diffuse, i, lane) + pedestal;
-            const int at_i = i * block_pixels + lane;
-            lanes::store(out.residual + at_i, (l.s1 + l.s2 + base - y) * w);
-            lanes::store(out.by_u + at_i, -2.0F * l.t * l.qx * w);
-            lanes::store(out.by_v + at_i, -2.0F * l.t * l.qy * w);
+            const V wt = l.t * w, ta = wt * f.a;
+            const V common = 2.0F * f.k * l.n2 - f.slope * l.m;
+            V j[np];
+            j[tilt_u] = 2.0F * wt * l.qx;
+            j[tilt_v] = 2.0F * wt * l.qy;
+            j[ln_mu_deg] = 2.0F * wt * l.e;
+            j[shape_e1] = ta * (f.k * l.m1 - f.e1 * common);
+            j[shape_e2] = ta * (f.k * l.m2 - f.e2 * common);
+            j[ln_chi] = (l.s1 + l.s2) * w;
+            j[diffuse] = w * light<Near>(lights.diffuse, i, lane);
+            if constexpr (Pedestal) j[pedestal_at] = w;
+            if constexpr (Haze) j[haze_at] = l.s2 * w / lanes::max(haze, lanes::all(1e-6F));
+            lanes::store(out.residual + i * block_pixels + lane, (l.s1 + l.s2 + base - y) * w);
+            for (int a = 0; a < np; ++a)
+                lanes::store(out.by_unknown + (a * lights.count + i) * block_pixels + lane, j[a]);
         }
     }
 };

@@ -18,7 +18,7 @@ constexpr std::size_t packed(int i, int j) {
 }  // namespace
 
 PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const RegionLights& region,
-                         const PixelKernelOptions& o) {
+                         const PixelKernelOptions& o, const SharedError& shared) {
     const auto x = [&](std::size_t a) { return double{block.x[a][lane]}; };
     const auto cov = [&](int a, int b) { return double{block.covariance[packed(a, b)][lane]}; };
     PixelResult r{};
@@ -48,7 +48,7 @@ PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const Region
     r.used = block.used[lane];
     r.clipped = block.clipped[lane];
     r.rejected = block.rejected[lane];
-    const int unknowns = 7 + (o.pedestal ? 1 : 0) + (o.haze ? 1 : 0);
+    const int unknowns = unknowns_of(o);
     const double freedom = std::max(1.0, double{r.used} - unknowns);
     r.chi2_reduced = static_cast<float>(block.chi2[lane] / freedom);
 
@@ -60,19 +60,29 @@ PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const Region
     const auto root = [](double v) { return static_cast<float>(std::sqrt(std::max(v, 0.0))); };
     // What the fit cannot explain widens what it claims.
     const double widen = std::max(1.0, double{r.chi2_reduced});
-    r.sigma_ln_mu_t = root(widen * (cov(2, 2) + rr + 2 * sr));
-    r.sigma_ln_mu_b = root(widen * (cov(2, 2) + rr - 2 * sr));
+    const double stretch2 = shared.stretch * shared.stretch;
+    r.sigma_ln_mu_t = root(widen * (cov(2, 2) + rr + 2 * sr) + stretch2);
+    r.sigma_ln_mu_b = root(widen * (cov(2, 2) + rr - 2 * sr) + stretch2);
     r.sigma_ln_mu = std::max(r.sigma_ln_mu_t, r.sigma_ln_mu_b);
-    r.sigma_rho_deg = static_cast<float>(std::min(
-        90.0, 0.5 * std::sqrt(std::max(widen * tt, 0.0)) / std::max(shape, 1e-6) / rad_per_deg));
-    r.sigma_normal_deg = root(widen * (cov(0, 0) + cov(1, 1)));
+    // A shear turns an ellipse's axes by coth(2r) times itself, a rotation by itself.
+    const double coth = 1 / std::tanh(2 * std::max(shape, 1e-3));
+    const double turn_variance = 0.25 * widen * std::max(tt, 0.0) / std::max(shape * shape, 1e-12) +
+                                 0.5 * shared.shear * shared.shear * (1 + coth * coth);
+    r.sigma_rho_deg = static_cast<float>(std::min(90.0, std::sqrt(turn_variance) / rad_per_deg));
+    r.sigma_normal_deg =
+        root(widen * (cov(0, 0) + cov(1, 1)) + 2 * shared.turn_deg * shared.turn_deg);
     r.sigma_ln_weight = root(widen * cov(5, 5));
 
     constexpr float most_sigma = 0.15F, most_chi2 = 9, least_samples = 6, most_rejected = 0.15F;
     if (!(r.sigma_ln_mu <= most_sigma)) r.flags |= flag_uncertain;
     if (!(r.chi2_reduced <= most_chi2)) r.flags |= flag_misfit;
     if (!(block.lobe_samples[lane] >= least_samples)) r.flags |= flag_few;
-    if (block.bounded[lane] > 0) r.flags |= flag_bounded;
+    // A lobe wider than the lights reach is the diffuse part's slope, or a narrow one that no light
+    // hit.
+    const bool beyond =
+        std::exp(x(ln_mu_deg) + shape) > RegionLights::widest_of(region.reach_deg) ||
+        std::hypot(p, q) > region.reach_deg;
+    if (block.bounded[lane] > 0 || beyond) r.flags |= flag_bounded;
     if (r.rejected > most_rejected * (r.used + r.rejected)) r.flags |= flag_rejected;
     if (!(std::isfinite(r.ln_mu_deg) && std::isfinite(r.weight) && std::isfinite(r.e1) &&
           std::isfinite(r.e2) && std::isfinite(r.sigma_ln_mu)) ||

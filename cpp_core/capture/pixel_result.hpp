@@ -38,9 +38,18 @@ struct PixelResult {
     int flags;
 };
 
+/// What all pixels of a stack share and none can see for itself, per axis: after self-calibration
+/// the pixels leave a common turn of the half vectors and a common stretch of their field open.
+struct SharedError {
+    double turn_deg = 0;
+    double stretch = 0;  ///< relative, of a half width
+    double shear = 0;    ///< relative, what turns a lobe's axes
+};
+
 /// Lane `lane` of a fitted block, fitted about `region`. unknowns: of the fit, 7 to 9.
 [[nodiscard]] PixelResult pixel_result(const PixelBlock& block, std::size_t lane,
                                        const RegionLights& region,
-                                       const PixelKernelOptions& options);
+                                       const PixelKernelOptions& options,
+                                       const SharedError& shared = {});
 
 }  // namespace togishi

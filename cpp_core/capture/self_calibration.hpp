@@ -7,6 +7,7 @@
 
 #include "capture/light_stack.hpp"
 #include "capture/pixel_kernel.hpp"
+#include "capture/pixel_result.hpp"
 
 namespace togishi {
 
@@ -23,16 +24,19 @@ struct SampleBlocks {
 struct Calibration {
     std::vector<glm::dvec2> offset_deg;  ///< per light, to add to (u, v)
     double sigma_h_deg = 0;              ///< error that is left, per axis, for the fit's weights
+    SharedError shared;                  ///< what it cannot find out
     double rms_deg = 0;                  ///< of the offsets
     std::size_t pixels = 0;              ///< that were good enough to count
     int rounds = 0;
 };
 
-/// Alternates fits of all pixels with one 2 x 2 Gauss-Newton step per light, with the prior that
-/// offsets have the stack's stated error. The common part of the offsets is left to the normals.
-/// `lights` is moved along. Same result for any number of threads (0: all).
+/// Rounds of: every pixel fitted with the lights where they are; then one Gauss-Newton step of all
+/// lights together, with each pixel's own unknowns eliminated (Schur's complement), and the prior
+/// that offsets have the stated error. One light after the other would leave the soft turns and
+/// stretches of the whole field, which hardly change a pixel's residuals, where they are. `lights`
+/// is moved along. The same result for any number of threads (0: all).
 [[nodiscard]] Calibration self_calibrate(RegionLights& lights, const SampleBlocks& samples,
-                                         const PixelKernelOptions& options, int rounds = 6,
+                                         const PixelKernelOptions& options, int rounds = 5,
                                          unsigned threads = 0);
 
 }  // namespace togishi
