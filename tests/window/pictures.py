@@ -23,18 +23,21 @@ from screen import Steps
 
 EXTENSION = "bl_ext.user_default.togishi"
 OPTIONS = options()
+PARENTS: dict[type, str] = {}  # of panels, as they are in the source
 
 
-def open_all_panels() -> None:
-    """As if each had been clicked open. Blender keeps a panel's state by its name, so they get others."""
+def open_panels(tag: str, only: str = "") -> None:
+    """As if each, or the one alone whose class is named, had been clicked open. Blender keeps a panel's state by its
+    name, so they get others, which end in `tag`."""
     ui = importlib.import_module(f"{EXTENSION}.ui")
     ui.unregister()
     for module in ui._MODULES:
         for cls in module.CLASSES:
-            cls.bl_options = set(getattr(cls, "bl_options", set())) - {"DEFAULT_CLOSED"}
-            cls.bl_idname = f"{cls.__name__}_open"
+            closed = {"DEFAULT_CLOSED"} if only not in ("", cls.__name__) else set()
+            cls.bl_options = set(getattr(cls, "bl_options", set())) - {"DEFAULT_CLOSED"} | closed
+            cls.bl_idname = f"{cls.__name__}_{tag}"
             if hasattr(cls, "bl_parent_id"):
-                cls.bl_parent_id = f"{cls.bl_parent_id.removesuffix('_open')}_open"
+                cls.bl_parent_id = f"{PARENTS.setdefault(cls, cls.bl_parent_id)}_{tag}"
     ui.register()
 
 
@@ -127,8 +130,11 @@ def measurement(shots: screen.Shots) -> Steps:
         )
     kept = bpy.context.scene.togishi_measurement
     yield from screen.until(lambda: len(kept.fits) == len(files), 120.0, "the fits")
-    yield from settle(1.0)
+    open_panels("fit", only="TOGISHI_PT_view_measurement")
+    for _ in range(4):
+        yield from settle(0.4)
     yield from shots.region(screen.region_of(view(), "UI"), "sidebar_fit", [], keep=True)
+    open_panels("again")
     for plot in ("scans", "mu_eff"):
         with screen.override(view()):
             bpy.ops.scene.togishi_measurement_show(index=0, plot=plot)
@@ -219,7 +225,7 @@ def pictures() -> Steps:
         yield from properties_tab(shots, tab, f"first_{tab.lower()}")
 
     # Properties as tall as the window, all our panels open.
-    open_all_panels()
+    open_panels("open")
     yield from settle(0.5)
     yield from shots.region(screen.region_of(view(), "UI"), "sidebar_open", [], keep=True)
     for tab in ("RENDER", "VIEW_LAYER", "WORLD", "MATERIAL"):
