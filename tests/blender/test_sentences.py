@@ -18,7 +18,11 @@ class Layout:
     def column(self, **_options):
         return self
 
-    def label(self, text, icon):
+    def split(self, **options):
+        self.factors = [*getattr(self, "factors", []), options["factor"]]
+        return self
+
+    def label(self, text, icon="NONE"):
         self.rows.append((text, icon))
 
 
@@ -47,3 +51,17 @@ def test_the_icon_stands_before_the_first_line_only(addon):  # noqa: F811
     plain = Layout()
     sentences.draw_sentence(plain, SENTENCE)
     assert {icon for _text, icon in plain.rows} == {"NONE"}
+
+
+def test_pairs_have_columns_where_they_fit(addon):  # noqa: F811
+    from togishi.ui import sentences
+
+    short = Layout()
+    sentences.draw_pairs(short, [("χ", "269 1/sr", True), ("μ wide", "not determined", False)])
+    assert [text for text, _icon in short.rows] == ["χ", "269 1/sr", "μ wide", "not determined"]
+    assert len(set(short.factors)) == 1 and 0.1 < short.factors[0] < 0.9
+    long = Layout()
+    sentences.draw_pairs(long, [("Out of plane", "0.00012345 ± 0.00012345 °", False)])
+    assert not hasattr(long, "factors")
+    assert " ".join(text for text, _icon in long.rows) == "Out of plane: 0.00012345 ± 0.00012345 °"
+    assert long.rows[0][1] == "ERROR"

@@ -42,8 +42,9 @@ def draw_pairs(layout: bpy.types.UILayout, rows: Sequence[tuple[str, str, bool]]
     """Names and values in two columns where both fit, else a line each. False: the row is warned of."""
     width_px, size_px = _space_px("NONE")
     blf.size(0, size_px)
+    # A label keeps some space around its text.
     name_px = size_px + max(blf.dimensions(0, name)[0] for name, _value, _good in rows)
-    value_px = max(blf.dimensions(0, value)[0] for _name, value, _good in rows)
+    value_px = size_px + max(blf.dimensions(0, value)[0] for _name, value, _good in rows)
     column = layout.column(align=True)
     for name, value, good in rows:
         if name_px + value_px > width_px:
