@@ -9,8 +9,10 @@ cd "$(dirname "$0")/../.."
 [ $# -gt 0 ] || set -- --python "3.11=$(tools/find_python.sh 3.11)" --python "3.13=$(tools/find_python.sh 3.13)"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+# Both are clones of one commit, whatever is committed meanwhile.
+git clone -q . "$work/one"
+git clone -q "$work/one" "$work/another/and/longer"
 for folder in one another/and/longer; do
-    git clone -q . "$work/$folder"
     ln -s "$PWD"/.venv "$PWD"/.venv-5.2 "$work/$folder/"
     # No cache is shared: the second package is compiled anew.
     ZIG_GLOBAL_CACHE_DIR=$work/$folder/build/zig-cache .venv-package/bin/python \
