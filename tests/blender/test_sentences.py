@@ -7,7 +7,7 @@ import pytest
 from ui_fixtures import addon  # noqa: F401
 
 SENTENCE = (
-    "μ narrow: the scans do not reach the lobe's flank; measure to 20° beyond the mirror angle"
+    "It does not load: /home/a.name/blender/extensions/togishi_core.so: wrong ELF class; remove"
 )
 
 
@@ -31,7 +31,8 @@ def test_lines_fit_and_lose_nothing(addon, width_px):  # noqa: F811
     from togishi.ui import sentences
 
     lines = sentences._lines(SENTENCE, width_px, 11.0)
-    assert " ".join(lines) == SENTENCE
+    assert "".join(lines).replace(" ", "") == SENTENCE.replace(" ", "")
+    assert width_px < 400 or " ".join(lines) == SENTENCE
     sentences.blf.size(0, 11.0)
     assert all(
         " " not in line or sentences.blf.dimensions(0, line)[0] <= width_px for line in lines
@@ -45,7 +46,8 @@ def test_the_icon_stands_before_the_first_line_only(addon):  # noqa: F811
     assert bpy.app.background
     layout = Layout()
     sentences.draw_sentence(layout, SENTENCE, "ERROR")
-    assert " ".join(text for text, _icon in layout.rows) == SENTENCE
+    said = "".join(text for text, _icon in layout.rows)
+    assert said.replace(" ", "") == SENTENCE.replace(" ", "")
     assert [icon for _text, icon in layout.rows] == ["ERROR"] + ["BLANK1"] * (len(layout.rows) - 1)
     assert len(layout.rows) > 2
     plain = Layout()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import blf
@@ -14,9 +14,20 @@ _ICON_PX = 22
 _FALLBACK_PX = 240  # where there is no region: without a window
 
 
+def _pieces(word: str, width_px: float) -> Iterator[str]:
+    """A word that is wider than a line, such as a path, in pieces that are not."""
+    while len(word) > 1 and blf.dimensions(0, word)[0] > width_px:
+        count = len(word) - 1
+        while count > 1 and blf.dimensions(0, word[:count])[0] > width_px:
+            count -= 1
+        yield word[:count]
+        word = word[count:]
+    yield word
+
+
 @lru_cache(maxsize=256)
 def _lines(text: str, width_px: float, size_px: float) -> tuple[str, ...]:
-    """`text` in lines of at most that width in Blender's own font; a longer word stands alone."""
+    """`text` in lines of at most that width in Blender's own font."""
     blf.size(0, size_px)
     lines: list[str] = []
     for word in text.split():
@@ -24,7 +35,7 @@ def _lines(text: str, width_px: float, size_px: float) -> tuple[str, ...]:
         if lines and blf.dimensions(0, longer)[0] <= width_px:
             lines[-1] = longer
         else:
-            lines.append(word)
+            lines.extend(_pieces(word, width_px))
     return tuple(lines)
 
 
