@@ -141,6 +141,7 @@ inline Dual length(const Vec3& a) {
 #define TG_FN inline
 #define TG_PRECISE
 #define TG_DOUBLE
+#define TG_PLAIN_HALF_ANGLE
 #define float Dual
 #define vec2 Vec2
 #define vec3 Vec3
@@ -159,5 +160,6 @@ inline Dual length(const Vec3& a) {
 #undef TG_FN
 #undef TG_PRECISE
 #undef TG_DOUBLE
+#undef TG_PLAIN_HALF_ANGLE
 
 }  // namespace togishi::pose
