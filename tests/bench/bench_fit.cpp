@@ -40,25 +40,25 @@ constexpr double ln2 = 0.69314718055994530942;
 
 struct Case {
     const char* name;
-    ScanPart part;
     double mu_t_deg, mu_b_deg;
+    ScanPart part;
     char protocol;  // a, b, t: b with the sample turned, p: b with the lean in the plane
 };
-constexpr Case cases[] = {{"a_12_9", ScanPart::hamon, 12, 9, 'a'},
-                          {"a_8_5", ScanPart::hamon, 8, 5, 'a'},
-                          {"a_4_2.5", ScanPart::hamon, 4, 2.5, 'a'},
-                          {"a_2_0.5", ScanPart::hamon, 2, 0.5, 'a'},
-                          {"a_0.5_0.3", ScanPart::hamon, 0.5, 0.3, 'a'},
-                          {"b_0.3", ScanPart::ji, 0.3, 0.3, 'b'},
-                          {"b_0.5", ScanPart::ji, 0.5, 0.5, 'b'},
-                          {"b_1", ScanPart::ji, 1, 1, 'b'},
-                          {"b_2", ScanPart::ji, 2, 2, 'b'},
-                          {"bp_0.3", ScanPart::ji, 0.3, 0.3, 'p'},
-                          {"bp_0.5", ScanPart::ji, 0.5, 0.5, 'p'},
-                          {"bt_0.3", ScanPart::ji, 0.3, 0.3, 't'},
-                          {"bt_0.5", ScanPart::ji, 0.5, 0.5, 't'},
-                          {"bt_1", ScanPart::ji, 1, 1, 't'},
-                          {"bt_2", ScanPart::ji, 2, 2, 't'}};
+constexpr Case cases[] = {{"a_12_9", 12, 9, ScanPart::hamon, 'a'},
+                          {"a_8_5", 8, 5, ScanPart::hamon, 'a'},
+                          {"a_4_2.5", 4, 2.5, ScanPart::hamon, 'a'},
+                          {"a_2_0.5", 2, 0.5, ScanPart::hamon, 'a'},
+                          {"a_0.5_0.3", 0.5, 0.3, ScanPart::hamon, 'a'},
+                          {"b_0.3", 0.3, 0.3, ScanPart::ji, 'b'},
+                          {"b_0.5", 0.5, 0.5, ScanPart::ji, 'b'},
+                          {"b_1", 1, 1, ScanPart::ji, 'b'},
+                          {"b_2", 2, 2, ScanPart::ji, 'b'},
+                          {"bp_0.3", 0.3, 0.3, ScanPart::ji, 'p'},
+                          {"bp_0.5", 0.5, 0.5, ScanPart::ji, 'p'},
+                          {"bt_0.3", 0.3, 0.3, ScanPart::ji, 't'},
+                          {"bt_0.5", 0.5, 0.5, ScanPart::ji, 't'},
+                          {"bt_1", 1, 1, ScanPart::ji, 't'},
+                          {"bt_2", 2, 2, ScanPart::ji, 't'}};
 
 struct Truth {
     MaterialLobe lobe;
@@ -337,7 +337,7 @@ void extremes() {
     for (const double mu : {0.05, 0.1, 5.0, 20.0}) {
         for (const double aspect : {1.0, 4.0, 20.0}) {
             if (mu / aspect < 0.04) continue;
-            const Case c{"", ScanPart::hamon, mu, mu / aspect, 'a'};
+            const Case c{"", mu, mu / aspect, ScanPart::hamon, 'a'};
             const std::string name = "mu_" + std::to_string(mu).substr(0, 5) + "_aspect_" +
                                      std::to_string(aspect).substr(0, 4);
             const Truth t = truth_of(c, 3);
