@@ -119,6 +119,36 @@ void LightStack::set_irradiance(std::size_t i, double irradiance) {
     irradiance_.at(i) = irradiance;
 }
 
+double LightStack::falloff(std::size_t i, const glm::dvec3& place) const {
+    if (!file_.near) return 1;
+    const glm::dvec3 from = lights_[i].position_mm - place;
+    return glm::dot(lights_[i].position_mm, lights_[i].position_mm) / glm::dot(from, from);
+}
+
+glm::dvec3 LightStack::towards(std::size_t i, const glm::dvec3& place) const {
+    return file_.near ? glm::normalize(lights_[i].position_mm - place) : lights_[i].direction;
+}
+
+void LightStack::correct(const glm::dvec3& normal, const std::vector<glm::dvec2>& offset_deg) {
+    const auto frame = f64::tangent_frame(normal, glm::dvec3(1, 0, 0));
+    for (std::size_t i = 0; i < lights_.size(); ++i) {
+        LightEntry& light = lights_[i];
+        const auto g = f64::light_geometry(frame.normal, frame.tangent, frame.bitangent,
+                                           options_.view, light.direction);
+        if (g.lit < 0.5) continue;
+        const glm::dvec2 uv =
+            glm::dvec2(g.facet.dx, g.facet.dy) + offset_deg.at(i) / deg_per_rad;
+        const double phi = glm::length(uv);
+        const glm::dvec3 half =
+            phi > 0 ? std::cos(phi) * frame.normal + std::sin(phi) / phi * (uv.x * frame.tangent +
+                                                                            uv.y * frame.bitangent)
+                    : frame.normal;
+        light.direction =
+            glm::normalize(2 * glm::dot(half, options_.view) * half - options_.view);
+        light.position_mm = glm::length(light.position_mm) * light.direction;
+    }
+}
+
 double LightStack::reflectance(double cosine) const {
     const double x = std::clamp(cosine, 0.0, 1.0) * reflectance_steps;
     const double cell = std::min(std::floor(x), reflectance_steps - 1.0);
@@ -150,15 +180,8 @@ RegionLights LightStack::region(const glm::dvec3& normal, const glm::dvec3& plac
     double reach2 = 0;
     std::vector<double> radius2;
     for (std::size_t i = 0; i < lights_.size(); ++i) {
-        glm::dvec3 to_light = lights_[i].direction;
-        double irradiance = irradiance_[i];
-        if (file_.near) {
-            // The stated intensity is the irradiance at the origin.
-            const glm::dvec3 from = lights_[i].position_mm - place;
-            irradiance *=
-                glm::dot(lights_[i].position_mm, lights_[i].position_mm) / glm::dot(from, from);
-            to_light = glm::normalize(from);
-        }
+        const glm::dvec3 to_light = towards(i, place);
+        const double irradiance = irradiance_[i] * falloff(i, place);
         const auto g =
             f64::light_geometry(frame.normal, frame.tangent, frame.bitangent, view, to_light);
         double u = g.facet.dx * deg_per_rad, v = g.facet.dy * deg_per_rad;
@@ -166,10 +189,6 @@ RegionLights LightStack::region(const glm::dvec3& normal, const glm::dvec3& plac
         if (g.lit > 0.5) {
             const double f = reflectance(options_.model == LobeModel::ji ? g.cos_i : g.cos_h);
             gain = irradiance * f * g.g_over_cos_r;
-            if (!offsets_.uv_deg.empty()) {
-                u += offsets_.uv_deg[i].x;
-                v += offsets_.uv_deg[i].y;
-            }
             radius2.push_back(u * u + v * v);
             reach2 = std::max(reach2, u * u + v * v);
         } else {

@@ -29,11 +29,6 @@ struct StackOptions {
     double light_error_deg = 0.5;   ///< rms error of a light's direction
 };
 
-/// Half-vector offsets found by self-calibration, in degrees per light about the stack's normal.
-struct LightOffsets {
-    std::vector<glm::dvec2> uv_deg;  ///< empty: none
-};
-
 /// The arrays behind PixelLights, for one region.
 struct RegionLights {
     glm::dvec3 normal, tangent, bitangent;  ///< the region's frame: tangent towards x
@@ -67,7 +62,13 @@ class LightStack {
     [[nodiscard]] const StackOptions& options() const { return options_; }
     /// Irradiance of light i on a surface that faces it; 1 unless stated (white reference).
     void set_irradiance(std::size_t i, double irradiance);
-    void set_offsets(LightOffsets offsets) { offsets_ = std::move(offsets); }
+    /// Turns each light so that its half vector about `normal` moves by (u, v) in degrees: what
+    /// self-calibration found there.
+    void correct(const glm::dvec3& normal, const std::vector<glm::dvec2>& offset_deg);
+    [[nodiscard]] const LightEntry& light(std::size_t i) const { return lights_[i]; }
+    /// Irradiance of light i at a place, over that at the origin; 1 where lights are far.
+    [[nodiscard]] double falloff(std::size_t i, const glm::dvec3& place_mm) const;
+    [[nodiscard]] glm::dvec3 towards(std::size_t i, const glm::dvec3& place_mm) const;
 
     /// Around a normal (unit length, camera's axes), at a place on the object in mm.
     [[nodiscard]] RegionLights region(const glm::dvec3& normal,
@@ -83,7 +84,6 @@ class LightStack {
     LightFile file_;
     std::vector<LightEntry> lights_;
     StackOptions options_;
-    LightOffsets offsets_;
     std::vector<double> irradiance_, reflectance_;
     bool near_ = false;
 };
