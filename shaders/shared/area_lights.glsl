@@ -5,3 +5,4 @@
 #include "shared/lobe_slices.glsl"
 #include "shared/flat_light.glsl"
 #include "shared/rectangle_light.glsl"
+#include "shared/disk_light.glsl"

@@ -159,10 +159,10 @@ TG_FN vec2 slice_place(SliceRange r, int count, int k) {
 }
 
 // What the widths are to be multiplied by, so that a Gaussian of alpha (mean, sigma) comes out exactly between the ends
-// of the outline; ends that are only those of the slices' reach count as infinite. From eight slices on the quadrature
-// needs no such help, and a bent light is better without.
+// of the outline; ends that are only those of the slices' reach count as infinite. From twelve slices on the quadrature
+// needs no such help.
 TG_FN float slice_range_scale(SliceRange r, vec2 reach, float mean, float sigma, int count) {
-    if (count >= 8) {
+    if (count > 8) {
         return float(1.0);
     }
     float sum = float(0.0);
@@ -175,7 +175,9 @@ TG_FN float slice_range_scale(SliceRange r, vec2 reach, float mean, float sigma,
     float hi = r.centre + r.half_width;
     float exact = normal_part(lo < reach.x ? float(-1.0e3) : (lo - mean) * inv,
                               hi > reach.y ? float(1.0e3) : (hi - mean) * inv).share;
-    return sum > float(1.0e-9) ? clamp(exact / sum, float(0.5), float(2.0)) : float(1.0);
+    // Far from 1 it is the Gaussian that is wrong: a light that is bent in the lobe's measure.
+    float least = count < 6 ? float(0.5) : float(0.9);
+    return sum > float(1.0e-9) ? clamp(exact / sum, least, float(1.0) / least) : float(1.0);
 }
 
 // The slice at alpha, nothing cut off yet but where D is negligible.
@@ -262,10 +264,13 @@ TG_FN SliceCut cut_plane(SliceCut slice, vec3 n) {
     return cut_quadratic(slice, dot(n, slice.mirrored), dot(n, slice.turned), dot(n, slice.bent));
 }
 
-// Keeps what has axis.L >= cosine.
-TG_FN SliceCut cut_cone(SliceCut slice, vec3 axis, float cosine) {
-    return cut_quadratic(slice, dot(axis, slice.mirrored) - cosine, dot(axis, slice.turned),
-                         dot(axis, slice.bent) - cosine);
+// Keeps what lies within the angle of a unit axis, of which the cosine and the sine of one half are given: by differences, for
+// cosines of small angles are all 1 to a float.
+TG_FN SliceCut cut_cone(SliceCut slice, vec3 axis, float sine_of_half, float cosine) {
+    vec3 off = slice.mirrored - axis;
+    float c0 = float(2.0) * sine_of_half * sine_of_half - float(0.5) * dot(off, off);
+    // dL/dy is perpendicular to L.
+    return cut_quadratic(slice, c0, -dot(off, slice.turned), dot(axis, slice.bent) - cosine);
 }
 
 // The direction at angle tau from the ridge, and D there against the slice's own Gaussian (mean 0, slice.spread).
@@ -328,5 +333,58 @@ TG_FN LightSlice slice_nodes(LobePencil p, SliceCut cut, float width) {
         result.first = slice_node(p, s, (part.mean - part.spread) * s.spread, weight);
         result.second = slice_node(p, s, (part.mean + part.spread) * s.spread, weight);
     }
+    return result;
+}
+
+// The lit part of a slice in two, two nodes for each.
+struct SliceHalves {
+    LightSlice lower;
+    LightSlice upper;
+};
+
+TG_FN LightSlice slice_part_nodes(LobePencil p, SliceCut s, float x0, float x1, float full) {
+    NormalPart part = normal_part(x0, x1);
+    float weight = float(0.5) * full * part.share;
+    LightSlice result;
+    result.first = slice_node(p, s, (part.mean - part.spread) * s.spread, weight);
+    result.second = slice_node(p, s, (part.mean + part.spread) * s.spread, weight);
+    return result;
+}
+
+// The y on the slice at which G leaves 1: 2 (N.H)(N.L) = V.H, that is (V.h)(4 (N.h)^2 - h.h) = 2 (N.h)(N.V)(h.h); by Newton's
+// method from the given y. Anything may come out where there is none.
+TG_FN float shadow_edge(LobePencil p, SliceCut s, float start) {
+    float n0 = dot(p.normal, s.ridge);
+    float n1 = dot(p.normal, s.along);
+    float v0 = dot(p.view, s.ridge);
+    float v1 = dot(p.view, s.along);
+    float nv = dot(p.normal, p.view);
+    float y = start;
+    for (int i = 0; i < 4; i = i + 1) {
+        float n = n0 + n1 * y;
+        float v = v0 + v1 * y;
+        float h2 = float(1.0) + y * y;
+        float g = v * (float(4.0) * n * n - h2) - float(2.0) * n * nv * h2;
+        float slope = v1 * (float(4.0) * n * n - h2) + v * (float(8.0) * n * n1 - float(2.0) * y) -
+                      float(2.0) * nv * (n1 * h2 + float(2.0) * n * y);
+        y = abs(slope) > float(1.0e-6) ? clamp(y - g / slope, float(-10.0), float(10.0)) : float(10.0);
+    }
+    return y;
+}
+
+// As slice_nodes, with twice the nodes and a cut where G has its bend: for the level of quality at which a picture rests.
+TG_FN SliceHalves slice_nodes_fine(LobePencil p, SliceCut cut, float width) {
+    SliceCut s = close_hole(cut);
+    float scale = float(1.0) / s.spread;
+    float x0 = atan(s.lo) * scale;
+    float x1 = max(atan(s.hi) * scale, x0);
+    bool split = s.hole_hi > s.hole_lo && s.hole_lo > s.lo && s.hole_hi < s.hi;
+    float full = width * s.spread / TG_INV_SQRT_TAU;
+    NormalPart all = normal_part(x0, x1);
+    float edge = atan(shadow_edge(p, s, tan(all.mean * s.spread))) * scale;
+    float middle = edge > x0 && edge < x1 ? edge : all.mean;
+    SliceHalves result;
+    result.lower = slice_part_nodes(p, s, x0, split ? atan(s.hole_lo) * scale : middle, full);
+    result.upper = slice_part_nodes(p, s, split ? atan(s.hole_hi) * scale : middle, x1, full);
     return result;
 }
