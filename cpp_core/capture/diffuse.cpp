@@ -293,6 +293,21 @@ void check(const SurfaceView& view, const std::vector<DiffusePhotograph>& photog
         throw InputError("diffuse", "model_error", std::to_string(options.model_error), "0 to 1");
 }
 
+void check_areas(const std::vector<ReferenceArea>& references, std::size_t width,
+                 std::size_t height) {
+    for (const ReferenceArea& area : references) {
+        if (area.x < 0 || area.y < 0 || area.width < 1 || area.height < 1 ||
+            static_cast<std::size_t>(area.x + area.width) > width ||
+            static_cast<std::size_t>(area.y + area.height) > height) {
+            throw InputError("reference", "box_px",
+                             std::to_string(area.x) + ", " + std::to_string(area.y) + ", " +
+                                 std::to_string(area.width) + ", " + std::to_string(area.height),
+                             "x, y, width, height within the picture of " + std::to_string(width) +
+                                 " x " + std::to_string(height));
+        }
+    }
+}
+
 DiffuseResult empty_result(std::size_t width, std::size_t height, const DiffuseOptions& options) {
     DiffuseResult result;
     const std::size_t n = width * height;
@@ -395,6 +410,46 @@ DiffuseResult solve_diffuse(const SurfaceView& view,
     return result;
 }
 
+double reference_gain(const SurfaceView& view, const DiffusePhotograph& photograph,
+                      const std::vector<ReferenceArea>& references, const DiffuseOptions& options) {
+    check(view, {photograph}, options);
+    const auto width = static_cast<std::size_t>(view.camera.width_px);
+    check_areas(references, width, static_cast<std::size_t>(view.camera.height_px));
+    if (references.empty())
+        throw InputError("diffuse", "reference", "none", "an area whose lobe is known");
+    const LuminousFresnel fresnel(options.metal, options.light);
+    double modelled = 0, measured = 0;
+    for (const ReferenceArea& area : references) {
+        auto lobe = stored_lobe(area.ha ? options.ha : options.ji);
+        if (area.mu_deg > 0) lobe[0] = std::log(area.mu_deg);
+        // The response is smooth: some hundred pixels of an area are as good as all.
+        const int step = std::max(
+            1, static_cast<int>(std::sqrt(static_cast<double>(area.width) * area.height / 128)));
+        for (int y = area.y; y < area.y + area.height; y += step) {
+            for (int x = area.x; x < area.x + area.width; x += step) {
+                const std::size_t i =
+                    static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+                if (view.seen[i] == 0 || photograph.clipped[i] != 0 ||
+                    !std::isfinite(photograph.radiance[i]))
+                    continue;
+                const glm::dvec3 point = view.position_mm[i];
+                const SurfacePose pose{point, glm::normalize(glm::dvec3(view.normal[i])),
+                                       glm::dvec3(view.tangent[i]), view.camera.view(point)};
+                const DiffuseResponse response(photograph.source, pose, fresnel,
+                                               {options.ji.weight, options.ha.weight}, 1.1);
+                const double m = area.ha ? response.ha(lobe) : response.ji(lobe);
+                modelled += m * m;
+                measured += m * photograph.radiance[i];
+            }
+        }
+    }
+    if (!(measured > 0)) {
+        throw InputError("diffuse", "reference", "dark, clipped or outside the surface",
+                         "areas that show the source");
+    }
+    return modelled / measured;
+}
+
 DiffuseResult solve_by_references(std::size_t width, std::size_t height,
                                   const std::vector<DiffusePhotograph>& photographs,
                                   const std::vector<ReferenceArea>& references,
@@ -406,17 +461,7 @@ DiffuseResult solve_by_references(std::size_t width, std::size_t height,
             throw InputError("diffuse", "photograph", std::to_string(p.radiance.size()) + " pixels",
                              std::to_string(n));
     }
-    for (const ReferenceArea& area : references) {
-        if (area.x < 0 || area.y < 0 || area.width < 1 || area.height < 1 ||
-            static_cast<std::size_t>(area.x + area.width) > width ||
-            static_cast<std::size_t>(area.y + area.height) > height) {
-            throw InputError("reference", "box_px",
-                             std::to_string(area.x) + ", " + std::to_string(area.y) + ", " +
-                                 std::to_string(area.width) + ", " + std::to_string(area.height),
-                             "x, y, width, height within the picture of " + std::to_string(width) +
-                                 " x " + std::to_string(height));
-        }
-    }
+    check_areas(references, width, height);
     struct Level {
         double mean = 0, sigma = 0, count = 0;
     };

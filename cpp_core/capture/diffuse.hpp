@@ -108,6 +108,13 @@ struct ReferenceArea {
     double mu_deg = 0;                        ///< its half width, from a fit: for the record
 };
 
+/// With geometry but of unknown exposure: what a photograph's radiances are to be multiplied by, so
+/// that the reference areas show what the model says of their lobes (mu_deg, or the material's).
+/// Throws InputError as solve_by_references, for areas that are clipped or not seen.
+[[nodiscard]] double reference_gain(const SurfaceView& view, const DiffusePhotograph& photograph,
+                                    const std::vector<ReferenceArea>& references,
+                                    const DiffuseOptions& options);
+
 /// Without geometry: w by the line between the mean radiances of two reference areas. The radiances
 /// may have any scale. Throws InputError: not one of each kind, an area outside the picture, two
 /// areas that look alike (nearer than 5 standard deviations of a pixel).

@@ -15,5 +15,11 @@ void add_katana_command(CLI::App& app, const Common& common);
 void add_bake_command(CLI::App& app, const Common& common);
 void add_fit_command(CLI::App& app, const Common& common);
 void add_simulate_scan_command(CLI::App& app, const Common& common);
+void add_capture_command(CLI::App& app, const Common& common);
+
+// Below `togishi capture`.
+void add_capture_diffuse_command(CLI::App& capture, const Common& common);
+void add_capture_lights_command(CLI::App& capture, const Common& common);
+void add_capture_simulate_command(CLI::App& capture, const Common& common);
 
 }  // namespace togishi::cli
