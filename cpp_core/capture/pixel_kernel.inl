@@ -273,7 +273,10 @@ struct Fit {
             const V y = value(i), t = scale(i), size = lanes::abs(t);
             const V base = x[diffuse] * light<Near>(lights.diffuse, i, lane) + pedestal;
             const V signal = lanes::max(y, lanes::all(0.0F));
-            const V photons = o.noise_gain * size * signal + o.noise_floor2 * size * size;
+            // Between picture and model: a shadow, which has no photons, would else count most of
+            // all.
+            const V expected = 0.5F * (signal + lanes::max(l.s1 + l.s2 + base, lanes::all(0.0F)));
+            const V photons = o.noise_gain * size * expected + o.noise_floor2 * size * size;
             // A model far above the picture must not excuse itself by its own steepness. What a
             // clipped sample was is not known.
             const V most_t = t < 0.0F ? l.t : lanes::min(l.t, 2.0F * signal);
@@ -318,16 +321,21 @@ struct Fit {
 
     // Moments of the half vectors, weighted by what they reflect.
     void moments(V* x) const {
-        V brightest = lanes::all(0.0F);
+        // The third brightest stands for the brightest: a glint must not draw the lobe to itself.
+        V first = lanes::all(0.0F), second = first, third = first;
         for (int i = 0; i < lights.count; ++i) {
-            const V y = lanes::abs(scale(i)) > 0.0F ? value(i) : lanes::all(0.0F);
-            brightest = lanes::max(brightest, y);
+            V y = lobe_part(x, i, lanes::all(0.0F));
+            V low = lanes::min(first, y);
+            first = lanes::max(first, y);
+            y = low;
+            low = lanes::min(second, y);
+            second = lanes::max(second, y);
+            third = lanes::max(third, low);
         }
-        const V floor =
-            lanes::max(0.02F * brightest, 2.0F * lanes::sqrt(lanes::all(o.noise_floor2)));
+        const V floor = lanes::max(0.02F * third, 2.0F * lanes::sqrt(lanes::all(o.noise_floor2)));
         V sum = lanes::all(1e-30F), su = lanes::all(0.0F), sv = su;
         for (int i = 0; i < lights.count; ++i) {
-            const V s = lobe_part(x, i, floor) * lights.area[i];
+            const V s = lanes::min(lobe_part(x, i, floor), third) * lights.area[i];
             sum += s;
             su += s * light<Near>(lights.u_deg, i, lane);
             sv += s * light<Near>(lights.v_deg, i, lane);
@@ -336,7 +344,7 @@ struct Fit {
         x[tilt_v] = sv / sum;
         V xx = lanes::all(0.0F), xy = xx, yy = xx;
         for (int i = 0; i < lights.count; ++i) {
-            const V s = lobe_part(x, i, floor) * lights.area[i];
+            const V s = lanes::min(lobe_part(x, i, floor), third) * lights.area[i];
             const V dx = light<Near>(lights.u_deg, i, lane) - x[tilt_u];
             const V dy = light<Near>(lights.v_deg, i, lane) - x[tilt_v];
             xx += s * dx * dx;

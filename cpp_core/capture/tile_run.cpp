@@ -523,41 +523,47 @@ TileStore StackRun::run(const std::filesystem::path& target, StackRunReport& rep
     TileStore store(target, fingerprint(), width, height, channel_count, rows_per_band());
     report.bands = store.bands();
     report.bands_resumed = store.finished_bands();
-    if (report.bands_resumed < report.bands) {
-        if (options_.white) measure_white();
-        if (options_.self_calibration) calibrate(report);
-    }
-    Band band;
-    std::vector<float> out;
     Cell all;
-    for (std::size_t b = 0; b < store.bands(); ++b) {
-        if (store.finished(b)) continue;
-        const std::size_t begin = b * store.band_rows(), end = begin + store.rows_of(b);
-        const double start = seconds();
-        read_band(band, begin, end);
-        const double half = seconds();
-        report.seconds_reading += half - start;
-        out.assign((end - begin) * width * channel_count, 0.0F);
-        const std::size_t across = (width + cell_pixels - 1) / cell_pixels;
-        const std::size_t down = (end - begin + cell_pixels - 1) / cell_pixels;
-        std::mutex lock;
-        parallel_for(
-            across * down, 1,
-            [&](std::size_t i, std::size_t) {
-                if (options_.stop != nullptr && options_.stop->load())
-                    throw StackStopped{store.finished_bands(), store.bands()};
-                Cell counted;
-                fit_cell(band, i % across * cell_pixels, begin + i / across * cell_pixels, out,
-                         counted);
-                const std::scoped_lock hold(lock);
-                all.add(counted);
-            },
-            options_.threads);
-        report.seconds_fitting += seconds() - half;
-        store.write(b, out);
-        const std::size_t done = store.finished_bands();
-        if (progress && !progress(done, store.bands()) && done < store.bands())
-            throw StackStopped{done, store.bands()};
+    try {
+        if (report.bands_resumed < report.bands) {
+            if (options_.white) measure_white();
+            if (options_.self_calibration) calibrate(report);
+        }
+        Band band;
+        std::vector<float> out;
+        for (std::size_t b = 0; b < store.bands(); ++b) {
+            if (store.finished(b)) continue;
+            const std::size_t begin = b * store.band_rows(), end = begin + store.rows_of(b);
+            const double start = seconds();
+            read_band(band, begin, end);
+            const double half = seconds();
+            report.seconds_reading += half - start;
+            out.assign((end - begin) * width * channel_count, 0.0F);
+            const std::size_t across = (width + cell_pixels - 1) / cell_pixels;
+            const std::size_t down = (end - begin + cell_pixels - 1) / cell_pixels;
+            std::mutex lock;
+            parallel_for(
+                across * down, 1,
+                [&](std::size_t i, std::size_t) {
+                    if (options_.stop != nullptr && options_.stop->load())
+                        throw StackStopped{store.finished_bands(), store.bands()};
+                    Cell counted;
+                    fit_cell(band, i % across * cell_pixels, begin + i / across * cell_pixels, out,
+                             counted);
+                    const std::scoped_lock hold(lock);
+                    all.add(counted);
+                },
+                options_.threads);
+            report.seconds_fitting += seconds() - half;
+            store.write(b, out);
+            const std::size_t done = store.finished_bands();
+            if (progress && !progress(done, store.bands()) && done < store.bands())
+                throw StackStopped{done, store.bands()};
+        }
+    } catch (...) {
+        // Nothing to go on from.
+        if (store.finished_bands() == 0) store.remove();
+        throw;
     }
     report.flagged = all.flagged;
     report.inferred = all.inferred;
