@@ -2,6 +2,9 @@
 // object; tests/bench/capture_lights.py runs it and writes the rows.
 //
 //   bench_capture recover PIXELS SEED STACKS [CASE ...]
+//   bench_capture time CASE PIXELS SEED REPEATS   pixels a second of one core
+//   bench_capture export CASE PIXELS SEED         the pixels, for a rival
+//   bench_capture efforts CASE PIXELS SEED        error and time against lights and method
 //
 // A case: 60 lights, directions known to 0.5 degrees (rms), noise of 1 % at full scale (photons)
 // and 1.2 steps of 12 bits (electronics), normals 2 degrees (per axis) about the region's, azimuths
@@ -242,10 +245,11 @@ struct Tally {
     std::array<std::size_t, 5> held{};
     std::array<std::size_t, 8> reason{};
     double chi2 = 0, steps = 0, seconds = 0;
+    bool keep_flagged = false;
 
     void add(const Simulated& s, std::size_t p, const PixelResult& r) {
         ++pixels;
-        if ((r.flags & unusable_flags) != 0) {
+        if ((r.flags & unusable_flags) != 0 && !keep_flagged) {
             ++flagged;
             for (std::size_t k = 0; k < reason.size(); ++k) reason[k] += (r.flags >> k) & 1;
             return;
@@ -339,6 +343,14 @@ RegionLights region_of(const Case& c, const Simulated& s) {
     return stack.region(s.region_normal);
 }
 
+PixelKernelOptions options_of(const Case& c, const Simulated& s) {
+    PixelKernelOptions options = s.options;
+    options.sigma_h_deg =
+        static_cast<float>(std::max(0.003, c.light_error_deg / (2 * std::sqrt(2.0))));
+    options.haze = c.haze > 0;
+    return options;
+}
+
 void recover(const Case& c, std::size_t pixels, std::uint64_t seed, std::size_t stacks) {
     Tally tally;
     double before = 0, after = 0, claimed = 0, spacing = 0;
@@ -347,10 +359,7 @@ void recover(const Case& c, std::size_t pixels, std::uint64_t seed, std::size_t 
         const Simulated s = simulate(c, pixels, seed * 1'000'003U + stack);
         RegionLights region = region_of(c, s);
         spacing = region.spacing_deg;
-        PixelKernelOptions options = s.options;
-        options.sigma_h_deg =
-            static_cast<float>(std::max(0.003, c.light_error_deg / (2 * std::sqrt(2.0))));
-        options.haze = c.haze > 0;
+        PixelKernelOptions options = options_of(c, s);
         SharedError shared;
         if (c.calibrate) {
             const Calibration found = self_calibrate(region, s.samples, options);
@@ -382,6 +391,112 @@ void recover(const Case& c, std::size_t pixels, std::uint64_t seed, std::size_t 
     std::fflush(stdout);
 }
 
+// Pixels a second of one core, each repeat a fit of all pixels.
+void time_fits(const Case& c, std::size_t pixels, std::uint64_t seed, std::size_t repeats) {
+    const Simulated s = simulate(c, pixels, seed);
+    const RegionLights region = region_of(c, s);
+    std::printf("{\"kernel\": \"%s\", \"px_per_s\": [", pixel_kernel().name);
+    for (std::size_t i = 0; i < repeats; ++i) {
+        Tally tally;
+        fit_all(s, region, options_of(c, s), {}, tally);
+        std::printf(i > 0 ? ", %.6g" : "%.6g", static_cast<double>(pixels) / tally.seconds);
+    }
+    std::printf("]}\n");
+}
+
+void print_array(const char* name, const std::vector<float>& values) {
+    std::printf("\"%s\": [", name);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        std::printf(i > 0 ? ",%.9g" : "%.9g", values[i]);
+    std::printf("]");
+}
+
+// What a rival needs to fit the same pixels from the same starts, and what this one found.
+void export_pixels(const Case& c, std::size_t pixels, std::uint64_t seed) {
+    const Simulated s = simulate(c, pixels, seed);
+    const RegionLights region = region_of(c, s);
+    PixelKernelOptions options = options_of(c, s);
+    const std::size_t count = s.lights.lights.size();
+    std::vector<float> value, scale, start, found, truth, scratch(2 * count * block_pixels);
+    PixelBlock block;
+    for (std::size_t p = 0; p < pixels; ++p) {
+        const std::size_t b = p / block_pixels, lane = p % block_pixels;
+        const PixelSamples samples = s.samples.block(b, count);
+        for (std::size_t i = 0; i < count; ++i) {
+            value.push_back(samples.value[i * block_pixels + lane]);
+            scale.push_back(samples.scale[i * block_pixels + lane]);
+        }
+        for (const PixelEffort effort : {PixelEffort::log_linear, PixelEffort::full}) {
+            options.effort = effort;
+            pixel_kernel().fit(region.view(), samples, options, scratch.data(), block);
+            for (std::size_t a = 0; a < 7; ++a)
+                (effort == PixelEffort::full ? found : start).push_back(block.x[a][lane]);
+        }
+        truth.push_back(static_cast<float>(s.axes[p].mu_t_rad / rad));
+        truth.push_back(static_cast<float>(s.axes[p].mu_b_rad / rad));
+    }
+    std::printf(
+        "{\"lights\": %zu, \"noise_gain\": %.9g, \"noise_floor2\": %.9g, \"sigma_h_deg\": %.9g,\n",
+        count, double{options.noise_gain}, double{options.noise_floor2},
+        double{options.sigma_h_deg});
+    print_array("u", region.u_deg);
+    for (const auto& [name, values] : {std::pair{"v", &region.v_deg},
+                                       {"gain", &region.gain},
+                                       {"diffuse", &region.diffuse},
+                                       {"value", &value},
+                                       {"scale", &scale},
+                                       {"start", &start},
+                                       {"found", &found},
+                                       {"truth", &truth}}) {
+        std::printf(",\n");
+        print_array(name, *values);
+    }
+    std::printf(",\n\"directions\": [");
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::dvec3& d = s.lights.lights[i].direction;
+        std::printf("%s[%.12g,%.12g,%.12g]", i > 0 ? "," : "", d.x, d.y, d.z);
+    }
+    std::printf("]}\n");
+}
+
+// Error and time of each way of fitting, against the number of lights.
+void efforts(std::size_t pixels, std::uint64_t seed, const Case& base) {
+    std::printf("{\"rows\": [");
+    bool first = true;
+    for (const int lights : {12, 20, 30, 40, 60, 80, 120}) {
+        Case c = base;
+        c.lights = lights;
+        const Simulated s = simulate(c, pixels, seed);
+        for (int way = 0; way < 4; ++way) {
+            RegionLights region = region_of(c, s);
+            PixelKernelOptions options = options_of(c, s);
+            options.effort = static_cast<PixelEffort>(std::min(way, 2));
+            SharedError shared;
+            double calibration = 0;
+            if (way == 3) {
+                const double start = thread_seconds();
+                const Calibration found = self_calibrate(region, s.samples, options, 5, 1);
+                calibration = thread_seconds() - start;
+                options.sigma_h_deg = static_cast<float>(found.sigma_h_deg);
+                shared = found.shared;
+            }
+            Tally tally;
+            tally.keep_flagged = true;  // moments' residuals would flag them all
+            fit_all(s, region, options, shared, tally);
+            std::vector<double> mu = tally.mu_t;
+            mu.insert(mu.end(), tally.mu_b.begin(), tally.mu_b.end());
+            static constexpr const char* names[] = {"moments", "log_linear", "full", "calibrated"};
+            std::printf(
+                "%s\n{\"lights\": %d, \"way\": \"%s\", \"mu_p50_pct\": %.5g, \"us_per_px\": %.5g, "
+                "\"calibration_s\": %.4g}",
+                first ? "" : ",", lights, names[way], Tally::quantile(mu, 0.5),
+                1e6 * tally.seconds / static_cast<double>(pixels), calibration);
+            first = false;
+        }
+    }
+    std::printf("\n]}\n");
+}
+
 std::vector<Case> cases() {
     const auto make = [](const char* name, const Setup& setup, const Part& part) {
         Case c;
@@ -393,6 +508,7 @@ std::vector<Case> cases() {
     std::vector<Case> all;
     all.push_back(make("dome.hamon", setups[0], parts[0]));
     all.push_back(make("dome.ji", setups[0], parts[2]));
+    all.push_back(make("graded.single", setups[1], parts[0]));
     all.push_back(make("graded.hamon", setups[1], parts[0]));
     all.back().bracket = true;
     all.push_back(make("graded.hadori", setups[1], parts[1]));
@@ -434,6 +550,26 @@ int main(int argc, char** argv) {
         std::printf("\n}}\n");
         return 0;
     }
-    std::fprintf(stderr, "bench_capture recover PIXELS SEED STACKS [CASE ...]\n");
+    if (arguments.size() >= 2) {
+        const auto pixels = static_cast<std::size_t>(std::max(16L, number(2, 500)));
+        const auto seed = static_cast<std::uint64_t>(number(3, 1));
+        for (const Case& c : cases()) {
+            if (c.name != arguments[1]) continue;
+            if (arguments[0] == "time") {
+                time_fits(c, pixels, seed, static_cast<std::size_t>(std::max(1L, number(4, 5))));
+            } else if (arguments[0] == "export") {
+                export_pixels(c, pixels, seed);
+            } else if (arguments[0] == "efforts") {
+                efforts(pixels, seed, c);
+            } else {
+                break;
+            }
+            return 0;
+        }
+    }
+    std::fprintf(
+        stderr,
+        "bench_capture recover PIXELS SEED STACKS [CASE ...] | time CASE PIXELS SEED REPEATS |\n"
+        "              export CASE PIXELS SEED | efforts CASE PIXELS SEED\n");
     return 2;
 }
