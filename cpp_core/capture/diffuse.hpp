@@ -67,7 +67,7 @@ struct DiffuseOptions {
     MaterialLobe ha{5.3, 4.7, 90, -1};
     /// Standard deviation of ln mu over the blade: the prior of a fit, or of the nuisance where the
     /// lobes are taken as known.
-    double spread = 0.3;
+    double spread = 0.15;
     double known_spread = 0.04;
     double model_error = 0.004;     ///< of the full scale of a radiance: geometry, the integral
     double max_sigma_w = 0.1;       ///< above it w is masked

@@ -29,7 +29,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-    std::string setup, output, preview, plot;
+    std::string setup, output, preview, plot, material, truth;
+    std::vector<int> only;  // photographs, from 1
     bool plan = false, no_geometry = false;
     DiffuseOptions diffuse;
 };
@@ -228,8 +229,73 @@ Json json_of(const DiffuseResult& result) {
     return out;
 }
 
+// Leaves the named photographs.
+void choose(CaptureSetup& setup, const std::vector<int>& only) {
+    std::vector<PhotographSetup> chosen;
+    for (const int number : only) {
+        if (number < 1 || static_cast<std::size_t>(number) > setup.photographs.size()) {
+            throw InputError("--only", "argument", std::to_string(number),
+                             "1 to " + std::to_string(setup.photographs.size()));
+        }
+        chosen.push_back(setup.photographs[static_cast<std::size_t>(number - 1)]);
+    }
+    setup.photographs = std::move(chosen);
+}
+
+double quantile(std::vector<double> values, double share) {
+    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + at, values.end());
+    return values[static_cast<std::size_t>(at)];
+}
+
+// Against the truth that `capture simulate` wrote: absolute errors of w, errors of the leading half
+// width in per cent, and how often one sigma holds the truth.
+Json compare(const DiffuseResult& result, const std::string& path) {
+    const FloatImage truth = read_float_image(path);
+    const auto channel = [&](std::string_view name) {
+        const auto found = std::find(truth.names.begin(), truth.names.end(), name);
+        if (found == truth.names.end())
+            throw InputError(path, "channel", "no " + std::string(name), "truth.exr of simulate");
+        return static_cast<std::size_t>(found - truth.names.begin());
+    };
+    if (truth.pixels() != result.mask.size())
+        throw InputError(path, "size",
+                         std::to_string(truth.width) + " x " + std::to_string(truth.height),
+                         "that of the pictures");
+    const std::size_t w_at = channel("w"), ji_at = channel("ji.ln_mu_deg"),
+                      ha_at = channel("ha.ln_mu_deg");
+    std::vector<double> w_error, mu_error;
+    double in_w = 0, in_mu = 0;
+    for (std::size_t i = 0; i < result.mask.size(); ++i) {
+        const float* t = truth.values.data() + i * static_cast<std::size_t>(truth.channels);
+        if ((result.mask[i] & mask_no_w) != 0) continue;
+        w_error.push_back(std::abs(double(result.w[i]) - t[w_at]));
+        in_w += w_error.back() <= result.sigma_w[i] ? 1 : 0;
+        if ((result.mask[i] & mask_no_mu) != 0) continue;
+        const bool ha = result.w[i] > 0.5F, truly_ha = t[w_at] > 0.5F;
+        const double found = ha ? result.ha_ln_mu_deg[i] : result.ji_ln_mu_deg[i];
+        const double off = found - t[truly_ha ? ha_at : ji_at];
+        mu_error.push_back(100 * std::abs(std::expm1(off)));
+        in_mu += std::abs(off) <= (ha ? result.sigma_ha[i] : result.sigma_ji[i]) ? 1 : 0;
+    }
+    Json out{{"w_pixels", w_error.size()}, {"mu_pixels", mu_error.size()}};
+    if (!w_error.empty()) {
+        out["w_p50"] = quantile(w_error, 0.5);
+        out["w_p90"] = quantile(w_error, 0.9);
+        out["w_coverage"] = in_w / static_cast<double>(w_error.size());
+    }
+    if (!mu_error.empty()) {
+        out["mu_p50_pct"] = quantile(mu_error, 0.5);
+        out["mu_p90_pct"] = quantile(mu_error, 0.9);
+        out["mu_coverage"] = in_mu / static_cast<double>(mu_error.size());
+    }
+    return out;
+}
+
 void run(Options o, const Common& common) {
-    const CaptureSetup setup = read_capture_setup(o.setup);
+    CaptureSetup setup = read_capture_setup(o.setup);
+    if (!o.only.empty()) choose(setup, o.only);
+    if (!o.material.empty()) setup.material = o.material;
     if (setup.photographs.empty())
         throw InputError(o.setup, "photograph", "none", "[[photograph]], one or more");
     const Material material = load_material(setup.material);
@@ -329,6 +395,7 @@ void run(Options o, const Common& common) {
         if (result.mu_measured) write("mu.png", picture_of_mu(result));
     }
     report.update(json_of(result));
+    if (!o.truth.empty()) report["errors"] = compare(result, o.truth);
     if (common.json) {
         std::cout << report.dump(1) << '\n';
         return;
@@ -340,6 +407,7 @@ void run(Options o, const Common& common) {
     for (const auto& [name, count] : report["masked"].items())
         if (count.get<std::size_t>() > 0)
             std::cout << "  " << std::left << std::setw(11) << name << ' ' << count << " pixels\n";
+    if (report.contains("errors")) std::cout << "errors: " << report["errors"].dump() << '\n';
     std::cout << "quality: " << stem << "-quality.exr\n";
 }
 
@@ -359,6 +427,9 @@ void add_capture_diffuse_command(CLI::App& capture, const Common& common) {
     command->add_option("--plot", o->plot, "With --plan: the same as a picture (.png)");
     command->add_flag("--no-geometry", o->no_geometry,
                       "Do not use the sources' geometry: by two reference areas");
+    command->add_option("--only", o->only, "Numbers of the photographs to use, from 1");
+    command->add_option("--material", o->material, "Known lobes, instead of the set-up's");
+    command->add_option("--truth", o->truth, "truth.exr of capture simulate: report the errors");
     DiffuseOptions& d = o->diffuse;
     command->add_option("--spread", d.spread, "Prior standard deviation of ln mu")
         ->capture_default_str();

@@ -33,7 +33,8 @@ struct Options {
     std::int64_t seed = -1;
 };
 
-// A set-up to begin with: two soft boxes over a bent plate, or over a hand's breadth of a katana.
+// A set-up to begin with: three places of a soft box over a bent plate, or over
+// a hand's breadth of a katana.
 CaptureSetup example_setup(const std::string& kind) {
     CaptureSetup setup;
     setup.material = "sashikomi_katana";
@@ -52,15 +53,29 @@ CaptureSetup example_setup(const std::string& kind) {
     }
     const glm::dvec3 eye =
         target + 900.0 * glm::dvec3(0, std::cos(incidence), -std::sin(incidence));
-    setup.camera = camera_looking_at(eye, target, {0, 0, 1}, false, kind == "plate" ? 6 : 5,
-                                     kind == "plate" ? 228 : 400, kind == "plate" ? 108 : 160);
-    for (const double shift_deg : {-9.0, 9.0}) {
-        const double a = incidence + shift_deg * 3.14159265358979323846 / 180;
-        const glm::dvec3 to(0, std::cos(a), std::sin(a));
+    setup.camera = camera_looking_at(eye, target, {0, 0, 1}, false, kind == "plate" ? 3 : 2.5,
+                                     kind == "plate" ? 114 : 200, kind == "plate" ? 54 : 80);
+    // The boxes stand about the mirror direction of the ji, which leans towards the edge.
+    glm::dvec3 normal(0, 1, 0);
+    if (kind == "blade") {
+        const SurfaceView view = view_of(setup);
+        normal = glm::dvec3(0);
+        for (std::size_t i = 0; i < view.pixels(); ++i) {
+            // From the ji's middle to the edge; the shinogi-ji leans the other way.
+            if (view.seen[i] != 0 && view.normal[i].z < 0) normal += glm::dvec3(view.normal[i]);
+        }
+        normal = glm::normalize(normal);
+    }
+    const glm::dvec3 to_eye = glm::normalize(eye - target);
+    const glm::dvec3 mirror = 2 * glm::dot(normal, to_eye) * normal - to_eye;
+    const glm::dvec3 up = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), mirror));
+    for (const double shift_deg : {-9.0, 9.0, 0.0}) {
+        const double a = shift_deg * 3.14159265358979323846 / 180;
+        const glm::dvec3 to = std::cos(a) * mirror - std::sin(a) * up;
         DiffuseSource source;
         source.centre_mm = target + 700.0 * to;
         source.half_u_mm = {250, 0, 0};
-        source.half_v_mm = 98.4 * glm::dvec3(0, -to.z, to.y);
+        source.half_v_mm = 98.4 * glm::normalize(glm::cross(to, glm::dvec3(1, 0, 0)));
         PhotographSetup photograph;
         photograph.source = source;
         setup.photographs.push_back(photograph);

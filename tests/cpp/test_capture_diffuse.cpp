@@ -132,6 +132,7 @@ TEST(CaptureDiffuse, OneSourceGivesTheSharesWhereTheLobesAreKnown) {
 TEST(CaptureDiffuse, TwoPositionsGiveTheHalfWidthsToo) {
     const Scene scene = plate_scene(48, 20);
     DiffuseOptions options = as_known();
+    options.spread = 0.3;
     options.ji = {1.0, 1.0, 0, -1};  // 25 % and 20 % off what the plate has
     options.ha = {4, 4, 0, -1};
     const DiffuseResult found = solve_diffuse(
