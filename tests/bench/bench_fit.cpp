@@ -10,8 +10,8 @@
 // signal and 0.02 % of the peak, a pedestal of 0.5 % of the peak, source and detector of 0.2
 // degrees, the normal leaning by up to 0.2 degrees. Cases a_*: protocol (a), and b_*: protocol (b),
 // any direction of the lean. bp_*: protocol (b), the lean in the plane of incidence, as after a
-// sample was set upright across it. bt_*: protocol (b) with the sample at 0 and at 90 degrees, any
-// lean. Truth by the reference evaluation at 550 nm.
+// sample was set upright across it, and fitted as such. bt_*: protocol (b) with the sample at 0 and
+// at 90 degrees, any lean. Truth by the reference evaluation at 550 nm.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -204,12 +204,13 @@ void recover(const Case& c, std::size_t trials, std::uint64_t seed) {
         for (std::size_t i = begin; i < end; ++i) {
             const Truth t = truth_of(c, seed * 1'000'003U + i);
             const ScanSet scans = simulate_scan(t.material, c.part, t.options, 1);
-            FitOptions bare;
+            FitOptions full, bare;
+            if (c.protocol == 'p') full.unseen_tilt_deg = 0;
             bare.aperture = bare.tilt = bare.gain = false;
             for (const bool all_terms : {true, false}) {
                 Tally& tally = all_terms ? with : without;
                 try {
-                    const Fit fit = fit_scans(scans, all_terms ? FitOptions{} : bare);
+                    const Fit fit = fit_scans(scans, all_terms ? full : bare);
                     const std::scoped_lock hold(lock);
                     tally.add(c, t, fit);
                 } catch (const InputError& error) {
