@@ -36,7 +36,7 @@ Range above(double from, double along, Range whole) {
 
 /// The light over the unit square: a across it, s along the line's part above the horizon.
 class Surface {
-public:
+  public:
     Surface(const AreaLight& light, const glm::dvec3& normal) : light_(light), normal_(normal) {
         if (const auto* spot = std::get_if<SpotLight>(&light_))
             take_cap(spot->centre, spot->radius);
@@ -57,7 +57,7 @@ public:
         return cap(a, s);
     }
 
-private:
+  private:
     void take_cap(const glm::dvec3& centre, double radius) {
         const double distance = glm::length(centre);
         // Inside: nothing is seen of it.
@@ -68,9 +68,8 @@ private:
     void take_cap_angle(const glm::dvec3& direction, double sine) {
         axis_ = direction;
         sine_ = sine;
-        const auto frame = f64::tangent_frame(direction, std::abs(direction.x) < 0.6
-                                                             ? glm::dvec3(1, 0, 0)
-                                                             : glm::dvec3(0, 1, 0));
+        const auto frame = f64::tangent_frame(
+            direction, std::abs(direction.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0));
         x_ = frame.tangent;
         y_ = frame.bitangent;
     }
@@ -97,8 +96,8 @@ private:
         // Above the horizon: N.(x X + y Y + sqrt(1 - x^2 - y^2) axis) > 0, by bisection where the
         // line crosses it: a conic, and the plainest code is the best reference.
         const auto height = [&](double y) {
-            return glm::dot(normal_, x * x_ + y * y_ +
-                                         std::sqrt(std::max(0.0, 1 - x * x - y * y)) * axis_);
+            return glm::dot(normal_,
+                            x * x_ + y * y_ + std::sqrt(std::max(0.0, 1 - x * x - y * y)) * axis_);
         };
         Range part{-half, half};
         const double peak = highest(x, half);
@@ -141,7 +140,7 @@ private:
 };
 
 class Integrand {
-public:
+  public:
     Integrand(const AreaLightPoint& point, const AreaLight& light)
         : point_(point),
           frame_(f64::tangent_frame(point.normal, point.tangent)),
@@ -167,12 +166,12 @@ public:
         const Sample sample = surface_.at(a, s);
         if (!(sample.solid_angle > 0)) return false;
         const auto g = geometry(sample);
-        z = std::sqrt(2 / form_.xx) * glm::dvec2(form_.xx * g.facet.dx + form_.xy * g.facet.dy,
-                                                 form_.scale * g.facet.dy);
+        z = std::sqrt(2 / form_.xx) *
+            glm::dvec2(form_.xx * g.facet.dx + form_.xy * g.facet.dy, form_.scale * g.facet.dy);
         return g.lit > 0;
     }
 
-private:
+  private:
     [[nodiscard]] f64::LightGeometry geometry(const Sample& sample) const {
         return f64::light_geometry(frame_.normal, frame_.tangent, frame_.bitangent, point_.view,
                                    sample.direction);
@@ -192,19 +191,19 @@ struct Cell {
 };
 
 // Kronrod's 15 points on [-1, 1] (Piessens et al., QUADPACK, 1983); every second one is Gauss's.
-constexpr double node[8] = {0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
-                            0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
-                            0.586087235467691130294144691693013, 0.405845151377397166906606412076961,
-                            0.207784955007898467600689403773245, 0.0};
+constexpr double node[8] = {
+    0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
+    0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
+    0.586087235467691130294144691693013, 0.405845151377397166906606412076961,
+    0.207784955007898467600689403773245, 0.0};
 constexpr double kronrod[8] = {
     0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
     0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
     0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
     0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-constexpr double gauss[8] = {0, 0.129484966168869693270611432679082, 0,
-                             0.279705391489276667901467771423780, 0,
-                             0.381830050505118944950369775488975, 0,
-                             0.417959183673469387755102040816327};
+constexpr double gauss[8] = {
+    0, 0.129484966168869693270611432679082, 0, 0.279705391489276667901467771423780,
+    0, 0.381830050505118944950369775488975, 0, 0.417959183673469387755102040816327};
 
 double node_of(int i) {
     return i < 8 ? -node[i] : node[14 - i];
@@ -214,7 +213,7 @@ double weight_of(const double (&weights)[8], int i) {
 }
 
 class Quadrature {
-public:
+  public:
     explicit Quadrature(const Integrand& integrand) : integrand_(integrand) {}
 
     void measure(Cell& cell) {
@@ -268,8 +267,8 @@ public:
         if (count == n * n && nearest - step_a - step_s > 9) return;
         const bool partly = count < n * n && depth < 12;
         if (depth < 60 && (step_a > 1.2 || step_s > 1.2 || partly)) {
-            const bool across = partly && step_a <= 1.2 && step_s <= 1.2 ? depth % 2 == 0
-                                                                         : step_a > step_s;
+            const bool across =
+                partly && step_a <= 1.2 && step_s <= 1.2 ? depth % 2 == 0 : step_a > step_s;
             const auto [first, second] = halves(cell, across);
             start(first, depth + 1, cells);
             start(second, depth + 1, cells);
@@ -289,7 +288,7 @@ public:
 
     [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
 
-private:
+  private:
     const Integrand& integrand_;
     std::size_t evaluations_ = 0;
 };

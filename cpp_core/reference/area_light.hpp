@@ -52,17 +52,18 @@ struct AreaLightPoint {
     glm::dvec3 normal, tangent, view;  ///< of unit length
     std::array<double, 3> lobe;        ///< ln_mu_deg, e1, e2 (shaders/shared/lobe.glsl)
     AreaLightModel model = AreaLightModel::ji;
-    double weight = -1;    ///< 1/sr, chi or beta as measured; negative: normalised
-    double n = 0, k = 0;   ///< refractive index; both 0: F = 1
+    double weight = -1;   ///< 1/sr, chi or beta as measured; negative: normalised
+    double n = 0, k = 0;  ///< refractive index; both 0: F = 1
 };
 
 struct AreaLightRadiance {
-    double value;            ///< per radiance of the light
-    double error_estimate;   ///< of value, from the two rules on each cell
+    double value;           ///< per radiance of the light
+    double error_estimate;  ///< of value, from the two rules on each cell
     std::size_t evaluations;
 };
 
-/// Integral over the light of weight D F G .../cos(theta_r) cos(light) / r^2, clipped where N.L = 0.
+/// Integral over the light of weight D F G .../cos(theta_r) cos(light) / r^2, clipped where N.L =
+/// 0.
 ///
 /// Each cell of the light is measured by the 15-point Kronrod and the 7-point Gauss rule in both
 /// directions; the worst cell is halved until the sum of the differences is below

@@ -6,3 +6,5 @@
 #include "shared/flat_light.glsl"
 #include "shared/rectangle_light.glsl"
 #include "shared/disk_light.glsl"
+#include "shared/lobe_filter.glsl"
+#include "shared/environment_taps.glsl"

@@ -57,7 +57,7 @@ TG_FN DiskSlices disk_layout(FlatLight light, TangentFrame frame, vec3 view, Lob
     shorter = dot(shorter, shorter) > float(1.0e-20) * (xx + yy) * (xx + yy) ? shorter : vec2(float(1.0), float(0.0));
     // Distance of the lobe from the centre in radii of the outline, squared.
     float away = dot(rim, centre) / det;
-    vec2 normal = away > TG_RIM ? rim : shorter;
+    vec2 normal = away > float(0.2) ? rim : shorter;
     // Back to a turn of H.
     float c_u = normal.x * f.z_v.y - normal.y * f.z_v.x;
     float c_v = f.z_u.x * normal.y - f.z_u.y * normal.x;
@@ -265,7 +265,7 @@ TG_FN LightSlice disk_slice(DiskSlices r, int count, int k) {
     return slice_nodes(r.pencil, disk_slice_cut(r, slice.x), slice.y * r.scale);
 }
 
-TG_FN SliceHalves disk_slice_fine(DiskSlices r, int count, int k) {
+TG_FN SliceParts disk_slice_fine(DiskSlices r, int count, int k) {
     vec2 slice = slice_place(r.range, count, k);
     return slice_nodes_fine(r.pencil, disk_slice_cut(r, slice.x), slice.y * r.scale);
 }

@@ -6,7 +6,7 @@
 // | mean     | of the part, inside [a, b] |
 // | spread   | its standard deviation: mean - spread and mean + spread are a quadrature of two points, exact for a parabola where the part is symmetric |
 //
-// Error, absolute, in float: share 4e-7, relative 2e-4 out to a = 5; mean and spread 1e-4 (b - a) or better. The interval may be as
+// Error, absolute, in float: share 1e-6, relative 2e-4 out to a = 5; mean and spread 1e-4 (b - a) or better. The interval may be as
 // narrow as a float can tell a from b, and infinite ends are allowed up to 1e9.
 // Source of the error function: Abramowitz & Stegun, 7.1.26.
 

@@ -336,9 +336,10 @@ TG_FN LightSlice slice_nodes(LobePencil p, SliceCut cut, float width) {
     return result;
 }
 
-// The lit part of a slice in two, two nodes for each.
-struct SliceHalves {
+// The lit part of a slice cut where G has its bends, two nodes for each part; parts may be empty, of measure 0.
+struct SliceParts {
     LightSlice lower;
+    LightSlice middle;
     LightSlice upper;
 };
 
@@ -372,19 +373,43 @@ TG_FN float shadow_edge(LobePencil p, SliceCut s, float start) {
     return y;
 }
 
-// As slice_nodes, with twice the nodes and a cut where G has its bend: for the level of quality at which a picture rests.
-TG_FN SliceHalves slice_nodes_fine(LobePencil p, SliceCut cut, float width) {
+// The y at which G's other two terms meet, 2 (N.H)(N.V) = V.H: the light grazes less than the view there.
+TG_FN float masking_edge(LobePencil p, SliceCut s) {
+    vec3 w = p.normal * (float(2.0) * dot(p.normal, p.view)) - p.view;
+    float slope = dot(w, s.along);
+    return abs(slope) > float(1.0e-6) ? clamp(-dot(w, s.ridge) / slope, float(-10.0), float(10.0)) : float(10.0);
+}
+
+// As slice_nodes, with up to three times the nodes: for the level of quality at which a picture rests.
+TG_FN SliceParts slice_nodes_fine(LobePencil p, SliceCut cut, float width) {
     SliceCut s = close_hole(cut);
     float scale = float(1.0) / s.spread;
     float x0 = atan(s.lo) * scale;
     float x1 = max(atan(s.hi) * scale, x0);
     bool split = s.hole_hi > s.hole_lo && s.hole_lo > s.lo && s.hole_hi < s.hi;
     float full = width * s.spread / TG_INV_SQRT_TAU;
+    float mean = normal_part(x0, x1).mean;
+    float shadow = clamp(atan(shadow_edge(p, s, tan(mean * s.spread))) * scale, x0, x1);
+    float mask = clamp(atan(masking_edge(p, s)) * scale, x0, x1);
+    // Bends outside the lit part leave their cuts to its smooth rest.
     NormalPart all = normal_part(x0, x1);
-    float edge = atan(shadow_edge(p, s, tan(all.mean * s.spread))) * scale;
-    float middle = edge > x0 && edge < x1 ? edge : all.mean;
-    SliceHalves result;
-    result.lower = slice_part_nodes(p, s, x0, split ? atan(s.hole_lo) * scale : middle, full);
-    result.upper = slice_part_nodes(p, s, split ? atan(s.hole_hi) * scale : middle, x1, full);
+    bool no_shadow = shadow <= x0 || shadow >= x1;
+    bool no_mask = mask <= x0 || mask >= x1;
+    shadow = no_shadow ? all.mean + (no_mask ? float(0.55) * all.spread : float(0.0)) : shadow;
+    mask = no_mask ? all.mean - (no_shadow ? float(0.55) * all.spread : float(0.0)) : mask;
+    float first = clamp(min(shadow, mask), x0, x1);
+    float second = clamp(max(shadow, mask), x0, x1);
+    SliceParts result;
+    if (split) {
+        float lo = atan(s.hole_lo) * scale;
+        float hi = atan(s.hole_hi) * scale;
+        result.lower = slice_part_nodes(p, s, x0, lo, full);
+        result.middle = slice_part_nodes(p, s, hi, hi, full);
+        result.upper = slice_part_nodes(p, s, hi, x1, full);
+    } else {
+        result.lower = slice_part_nodes(p, s, x0, first, full);
+        result.middle = slice_part_nodes(p, s, first, second, full);
+        result.upper = slice_part_nodes(p, s, second, x1, full);
+    }
     return result;
 }

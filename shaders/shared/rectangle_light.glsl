@@ -204,7 +204,7 @@ TG_FN LightSlice rectangle_slice(RectangleSlices r, int count, int k) {
     return slice_nodes(r.pencil, rectangle_cut(r, slice.x), slice.y * r.scale);
 }
 
-TG_FN SliceHalves rectangle_slice_fine(RectangleSlices r, int count, int k) {
+TG_FN SliceParts rectangle_slice_fine(RectangleSlices r, int count, int k) {
     vec2 slice = slice_place(r.range, count, k);
     return slice_nodes_fine(r.pencil, rectangle_cut(r, slice.x), slice.y * r.scale);
 }

@@ -32,6 +32,7 @@ AREAS: Mapping[str, Sequence[Path]] = {
     "scale": [BENCH / "scale.py"],
     "package": [BENCH / "package.py"],
     "fit": [BENCH / "fit.py"],
+    "light": [BENCH / "light.py"],
 }
 """Area -> its measuring commands (bench_rows.py says what they write). Ids of rows begin with the area."""
 

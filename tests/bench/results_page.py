@@ -61,6 +61,11 @@ AREAS = {
         "1-σ intervals hold the truth, scans made with Mitsuba, and times. Rows without_terms: the same trials fitted "
         "without aperture, tilt and gain terms.",
     ),
+    "light": (
+        "Exhibition light",
+        "Full radiance (Fresnel, G, cosines) of lights that have a size against adaptive quadrature, in % of the profile's peak; "
+        "highlights smaller than a pixel; surroundings as rows of taps. Levels: slices of the lobe, fine ones cut where G bends.",
+    ),
 }
 
 
