@@ -77,12 +77,10 @@ ChartPoint BladeFrame::locate(double u, double v) const {
     // Skew and lift are small and change slowly: the fixed point gains two digits a step. Within
     // the open seam the ridge is the nearest.
     double s = x;
-    double t = y;
-    for (int i = 0; i < 6; ++i) {
-        t = std::max(0.0, y - at(lift_mm, s));
-        s = std::clamp(x + (s - chart_x_mm(s, t)), -nakago_mm, nagasa_mm);
-    }
-    t = std::max(0.0, y - at(lift_mm, s));
+    auto from_ridge = [&] { return std::max(0.0, y - at(lift_mm, s)); };
+    for (int i = 0; i < 6; ++i)
+        s = std::clamp(x + (s - chart_x_mm(s, from_ridge())), -nakago_mm, nagasa_mm);
+    const double t = from_ridge();
     p.s_mm = s;
     p.from_ridge_mm = t;
     const double edge = at(edge_mm, s);
