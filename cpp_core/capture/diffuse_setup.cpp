@@ -50,7 +50,13 @@ double number_or(Reader& reader, std::string_view key, double otherwise, double 
     return has(reader, key) ? reader.number(key, least, high, allowed) : otherwise;
 }
 
-Camera read_camera(Reader& reader, const std::string& where) {
+// How a camera is to be found that the file does not state.
+struct ByLandmarks {
+    glm::dvec3 facing{0, 1, 0};
+    double max_residual_mm = 2;
+};
+
+Camera read_camera(Reader& reader, const std::string& where, std::optional<ByLandmarks>& search) {
     Camera camera;
     const std::string kind = reader.text("kind", "orthographic or pinhole", false);
     camera.pinhole = kind == "pinhole";
@@ -61,6 +67,13 @@ Camera read_camera(Reader& reader, const std::string& where) {
     };
     camera.width_px = size("width_px");
     camera.height_px = size("height_px");
+    if (!has(reader, "position_mm")) {
+        search.emplace();
+        if (has(reader, "facing")) search->facing = vector3(reader, "facing");
+        search->max_residual_mm = number_or(reader, "max_residual_mm", 2, 1e-6, 1e6, "above 0 mm");
+        reader.refuse_unknown();
+        return camera;
+    }
     camera.scale =
         reader.number(camera.pinhole ? "focal_px" : "scale_px_per_mm", 1e-6, most, "above 0");
     camera.centre_px = glm::dvec2(camera.width_px, camera.height_px) * 0.5;
@@ -283,9 +296,10 @@ CaptureSetup capture_setup_from_toml(std::string_view toml_text,
         noise.refuse_unknown();
         setup.noise = sensor;
     }
+    std::optional<ByLandmarks> search;
     if (has(reader, "camera")) {
         Reader camera(reader.table("camera"), "camera.", source);
-        setup.camera = read_camera(camera, source.where);
+        setup.camera = read_camera(camera, source.where, search);
     }
     if (has(reader, "surface")) {
         Reader surface(reader.table("surface"), "surface.", source);
@@ -323,6 +337,41 @@ CaptureSetup capture_setup_from_toml(std::string_view toml_text,
         area.mu_deg = number_or(r, "mu_deg", 0, 0, 80, "0 to 80 degrees");
         r.refuse_unknown();
         setup.references.push_back(area);
+    }
+    const auto* blade = std::get_if<BladeSurface>(&setup.surface);
+    const auto rough_mesh = [&] {
+        if (blade == nullptr)
+            throw InputError(source.where, "surface", "no blade",
+                             "a blade, whose landmarks give the camera");
+        constexpr double detail = 0.02;  // a landmark is a vertex at any
+        return make_katana(blade->parameters, detail);
+    };
+    std::optional<KatanaMesh> mesh;
+    index = 0;
+    for (const toml::table* one : tables(reader, "landmark")) {
+        Reader r(*one, "landmark[" + std::to_string(++index) + "].", source);
+        Landmark landmark;
+        landmark.name = r.text("name", "a name", false);
+        const auto pixel = numbers(r, "pixel", 2, "two numbers");
+        landmark.pixel = {pixel[0], pixel[1]};
+        if (has(r, "point_mm")) {
+            landmark.point_mm = vector3(r, "point_mm");
+        } else {
+            if (!mesh) mesh = rough_mesh();
+            landmark.point_mm = blade_landmark(*mesh, landmark.name);
+        }
+        r.refuse_unknown();
+        setup.landmarks.push_back(std::move(landmark));
+    }
+    if (search) {
+        const Camera& asked = *setup.camera;
+        setup.camera_fit =
+            asked.pinhole
+                ? fit_pinhole_camera(setup.landmarks, asked.width_px, asked.height_px,
+                                     search->max_residual_mm)
+                : fit_orthographic_camera(setup.landmarks, asked.width_px, asked.height_px,
+                                          search->facing, search->max_residual_mm);
+        setup.camera = setup.camera_fit->camera;
     }
     if (has(reader, "simulate")) {
         Reader s(reader.table("simulate"), "simulate.", source);
@@ -365,6 +414,10 @@ std::string capture_setup_to_toml(const CaptureSetup& setup) {
         out << "exposure = " << number_text(p.exposure) << '\n';
         if (!p.flat.empty()) out << "flat_exposure = " << number_text(p.flat_exposure) << '\n';
         if (p.source) write_source(out, *p.source);
+    }
+    for (const Landmark& l : setup.landmarks) {
+        out << "\n[[landmark]]\nname = " << quoted(l.name) << "\npixel = " << text(l.pixel)
+            << "\npoint_mm = " << text(l.point_mm) << '\n';
     }
     for (const ReferenceArea& r : setup.references) {
         out << "\n[[reference]]\nbox_px = [" << r.x << ", " << r.y << ", " << r.width << ", "

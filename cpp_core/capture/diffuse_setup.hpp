@@ -12,14 +12,16 @@
 // | noise.snr, .read, .bits | at full scale (value 1); left out: read off the pictures |
 // | camera.kind | "orthographic" (scale_px_per_mm) or "pinhole" (focal_px) |
 // | camera.width_px, height_px, centre_px, position_mm, right, down | capture/camera.hpp |
-// | surface.kind | "plate" (size_mm, bend_radius_mm), "plane" (point_mm, normal, tangent), "blade"
-// (preset, katana.KEY), "none" |
-// | photograph[].file, dark, flat, exposure, flat_exposure | dark, flat: frames of their own, may
-// be left out |
-// | photograph[].source.kind, centre_mm, half_u_mm, half_v_mm, radiance | rectangle, disk |
-// | photograph[].source.axis, radius_mm, centre_mm | hemisphere; radius_mm left out: infinite |
-// | reference[].box_px = [x, y, width, height], part = "ji" or "ha", mu_deg | known areas |
-// | simulate.* | what only a simulation needs (SimulateSetup) |
+// | ... without position_mm: found by the landmarks; camera.facing: the side that is seen, [0, 1,
+// 0] (omote) where left out; camera.max_residual_mm | | landmark[].name, pixel, point_mm | a place
+// on the blade (capture/camera_pose.hpp names some; others by point_mm) and where it is in the
+// picture | | surface.kind | "plate" (size_mm, bend_radius_mm), "plane" (point_mm, normal,
+// tangent), "blade" (preset, katana.KEY), "none" | | photograph[].file, dark, flat, exposure,
+// flat_exposure | dark, flat: frames of their own, may be left out | | photograph[].source.kind,
+// centre_mm, half_u_mm, half_v_mm, radiance | rectangle, disk | | photograph[].source.axis,
+// radius_mm, centre_mm | hemisphere; radius_mm left out: infinite | | reference[].box_px = [x, y,
+// width, height], part = "ji" or "ha", mu_deg | known areas | | simulate.* | what only a simulation
+// needs (SimulateSetup) |
 #pragma once
 #include <filesystem>
 #include <map>
@@ -29,6 +31,7 @@
 #include <variant>
 #include <vector>
 
+#include "capture/camera_pose.hpp"
 #include "capture/camera_surface.hpp"
 #include "capture/diffuse.hpp"
 #include "capture/simulate.hpp"
@@ -75,6 +78,8 @@ struct CaptureSetup {
     double flat_reflectance = 1;
     std::optional<SensorOptions> noise;  ///< snr, read and bits of it
     std::optional<Camera> camera;
+    std::vector<Landmark> landmarks;
+    std::optional<CameraFit> camera_fit;  ///< where the camera was found by the landmarks
     CaptureSurface surface;
     std::vector<PhotographSetup> photographs;
     std::vector<ReferenceArea> references;

@@ -9,6 +9,7 @@ void add_capture_command(CLI::App& app, const Common& common) {
     capture->fallthrough();
     add_capture_diffuse_command(*capture, common);
     add_capture_lights_command(*capture, common);
+    add_capture_project_command(*capture, common);
     add_capture_simulate_command(*capture, common);
 }
 

@@ -20,6 +20,7 @@ void add_capture_command(CLI::App& app, const Common& common);
 // Below `togishi capture`.
 void add_capture_diffuse_command(CLI::App& capture, const Common& common);
 void add_capture_lights_command(CLI::App& capture, const Common& common);
+void add_capture_project_command(CLI::App& capture, const Common& common);
 void add_capture_simulate_command(CLI::App& capture, const Common& common);
 
 }  // namespace togishi::cli
