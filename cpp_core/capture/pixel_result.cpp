@@ -12,7 +12,8 @@ namespace {
 constexpr double rad_per_deg = 0.017453292519943295769;
 
 constexpr std::size_t packed(int i, int j) {
-    return static_cast<std::size_t>(i * max_unknowns - i * (i - 1) / 2 + (j - i));
+    const int at = i * max_unknowns - i * (i - 1) / 2 + (j - i);
+    return static_cast<std::size_t>(at);
 }
 
 }  // namespace

@@ -185,6 +185,11 @@ StackRun::StackRun(const LightFile& lights, TileReader& reader, const StackRunOp
     // An exact direction would make a narrow lobe's residuals mean what no map between can hold.
     constexpr double least_sigma_deg = 0.003;
     sigma_h_deg_ = std::max(least_sigma_deg, stack_.sigma_h_deg());
+    longest_first_.resize(options.exposures.size());
+    std::iota(longest_first_.begin(), longest_first_.end(), std::size_t{0});
+    std::sort(longest_first_.begin(), longest_first_.end(), [&](std::size_t a, std::size_t b) {
+        return options.exposures[a] > options.exposures[b];
+    });
     std::ostringstream text;
     text.precision(17);
     for (const LightEntry& l : lights.lights) {
@@ -264,16 +269,11 @@ void StackRun::gather(const Band& band, std::size_t x, std::size_t row, float* v
     const std::size_t area = (band.end - band.begin) * width;
     const std::size_t at = (row - band.begin) * width + x;
     const std::size_t lanes = x < width ? std::min<std::size_t>(block_pixels, width - x) : 0;
-    std::vector<std::size_t> order(options_.exposures.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return options_.exposures[a] > options_.exposures[b];
-    });
     for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t lane = 0; lane < block_pixels; ++lane) {
             float v = 0, s = 0;
             if (lane < lanes) {
-                for (const std::size_t e : order) {
+                for (const std::size_t e : longest_first_) {
                     const std::size_t from = (e * count + i) * area + at + lane;
                     const float found = band.values[from];
                     if (!(std::abs(found) < 1e30F)) continue;

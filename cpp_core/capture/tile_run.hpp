@@ -127,6 +127,7 @@ class StackRun {
     StackRunOptions options_;
     LightStack stack_;
     std::string lights_text_;
+    std::vector<std::size_t> longest_first_;  ///< exposures
     double sigma_h_deg_;
     SharedError shared_;
 };
