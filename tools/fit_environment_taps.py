@@ -1,4 +1,4 @@
-"""Derives shaders/shared/environment_taps.glsl: an anisotropic Gaussian as a row of round ones.
+"""Derives shaders/shared/area/environment_taps.glsl: an anisotropic Gaussian as a row of round ones.
 
     python tools/fit_environment_taps.py [--check] [FILE]
 
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-SHADER = Path(__file__).resolve().parents[1] / "shaders/shared/environment_taps.glsl"
+SHADER = Path(__file__).resolve().parents[1] / "shaders/shared/area/environment_taps.glsl"
 COUNTS = (3, 5, 7, 9, 13, 25)
 ASPECTS = tuple(20.0 ** (i / 8) for i in range(9))
 """1 to 20, evenly in the logarithm: what the shader interpolates between."""

@@ -1,4 +1,4 @@
-// shaders/shared/lobe_filter.glsl and environment_taps.glsl: what a pixel sees of a lobe, and a
+// shaders/shared/area/lobe_filter.glsl and environment_taps.glsl: what a pixel sees of a lobe, and a
 // lobe as a row of taps.
 #include <gtest/gtest.h>
 
