@@ -8,6 +8,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from . import blender_versions, properties
 from .core import native
@@ -50,6 +51,35 @@ def fill_mesh(mesh: bpy.types.Mesh, katana: Any, unit_m: float = 1.0) -> None:
     _attribute(mesh, "togishi_t_mm", "FLOAT", "POINT", "value", katana.t_mm.astype(np.float32))
     blender_versions.set_corner_normals(mesh, katana.corner_normal)
     mesh.update()
+
+
+def _face_values(mesh: bpy.types.Mesh, name: str) -> NDArray[np.int32] | None:
+    attribute = mesh.attributes.get(name)
+    if attribute is None or (attribute.domain, attribute.data_type) != ("FACE", "INT"):
+        return None
+    values = np.empty(len(mesh.polygons), np.int32)
+    attribute.data.foreach_get("value", values)
+    return values
+
+
+def slot_of_part(mesh: bpy.types.Mesh) -> dict[int, int]:
+    """The material slot that most faces of each part have."""
+    parts, slots = _face_values(mesh, "togishi_part"), _face_values(mesh, "material_index")
+    if parts is None or slots is None:
+        return {}
+    return {
+        int(part): int(np.bincount(slots[parts == part].clip(min=0)).argmax())
+        for part in np.unique(parts)
+    }
+
+
+def set_slots(mesh: bpy.types.Mesh, slots: Mapping[int, int]) -> None:
+    """Give the faces of each part their material slot; 0 where none is named."""
+    parts = _face_values(mesh, "togishi_part")
+    if parts is not None and any(slots.values()):
+        chosen = np.array([slots.get(int(part), 0) for part in parts], np.int32)
+        mesh.polygons.foreach_set("material_index", chosen)
+        mesh.update()
 
 
 def make(parameters: Mapping[str, Any], detail: float) -> Any:
@@ -97,15 +127,17 @@ def blade_material(obj: bpy.types.Object | None) -> bpy.types.Material | None:
     return None
 
 
+def is_blade_object(obj: bpy.types.Object | None) -> bool:
+    """Whether this is a mesh of blade steel or a generated blade."""
+    if obj is None or obj.type != "MESH":
+        return False
+    return blade_material(obj) is not None or bool(obj.togishi.katana_json)
+
+
 def find_blade(context: bpy.types.Context) -> bpy.types.Object | None:
     """The active object where it is a blade, else the scene's first blade."""
     active = context.active_object
-    if active is not None and (blade_material(active) or active.togishi.katana_json):
-        return active
-    for obj in context.scene.objects:
-        if obj.type == "MESH" and (blade_material(obj) or obj.togishi.katana_json):
-            return obj
-    return None
+    return next((obj for obj in (active, *context.scene.objects) if is_blade_object(obj)), None)
 
 
 def blade_owner(material: bpy.types.Material) -> bpy.types.Object | None:

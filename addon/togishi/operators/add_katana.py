@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from typing import Any
 
@@ -11,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from .. import blade_object, pattern_baking
 from ..core import native
 from ..core.katana_presets import PRESETS, preset
-from .poll import NEEDS_OBJECT_MODE, allowed
+from .poll import LINKED, NEEDS_OBJECT_MODE, allowed, local
 
 # key, label, tooltip, default, lowest, highest. Ranges and defaults are the core's (a test compares them);
 # the core still decides which combinations make a blade.
@@ -205,8 +206,18 @@ def _generated(context: bpy.types.Context) -> bpy.types.Object | None:
     return blade if blade is not None and blade.togishi.katana_json else None
 
 
+def _first_blade(tries: list[dict[str, Any]], detail: float) -> tuple[dict[str, Any], Any]:
+    """The first parameters that make a blade, and the blade. Raises the last one's InputError."""
+    *others, last = tries
+    for parameters in others:
+        with contextlib.suppress(native.core().InputError):
+            return parameters, blade_object.make(parameters, detail)
+    return last, blade_object.make(last, detail)
+
+
 class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
-    """Change the dimensions of this generated blade; its material and maps stay"""
+    """Make the mesh of this generated blade anew with other dimensions. Materials by part and maps stay; what was
+    modelled by hand, vertex groups and other attributes are lost"""
 
     bl_idname = "object.togishi_katana_edit"
     bl_label = "Edit Katana"
@@ -214,9 +225,15 @@ class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        obj = _generated(context)
         return allowed(
             cls,
-            (_generated(context), "Needs a blade that was made by 'Add Katana'"),
+            (obj, "Needs a blade that was made by 'Add Katana'"),
+            (obj is None or local(obj, obj.data), LINKED),
+            (
+                obj is None or obj.data.shape_keys is None,
+                "This blade has shape keys, which a new mesh would lose; remove them first",
+            ),
             (context.mode == "OBJECT", NEEDS_OBJECT_MODE),
         )
 
@@ -226,6 +243,8 @@ class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         obj = _generated(context)
         assert obj is not None
+        # What an earlier edit chose is no choice for this blade.
+        self.properties.property_unset("preset")
         _take(self, json.loads(obj.togishi.katana_json))
         self.detail = obj.togishi.detail
         return context.window_manager.invoke_props_dialog(self)
@@ -236,20 +255,31 @@ class TOGISHI_OT_katana_edit(KatanaDimensions, bpy.types.Operator):
         assert obj is not None
         parameters = json.loads(obj.togishi.katana_json)
         touched = self.properties.is_property_set
-        if touched("preset") and not touched("nagasa_mm"):
+        shown = ("sori_type", "mune", *(row[0] for row in DIMENSIONS))
+        # Dimensions that no field shows belong to the preset and the zukuri.
+        if touched("preset"):
             parameters = preset_parameters(self.preset)
-        for key in ("zukuri", "sori_type", "mune", *(row[0] for row in DIMENSIONS)):
-            if touched(key):
-                parameters[key] = getattr(self, key)
+        parameters |= {key: getattr(self, key) for key in shown if touched(key)}
+        tries = [parameters]
+        if touched("zukuri") and self.zukuri != parameters["zukuri"]:
+            # The new zukuri's own where they go with what is shown, else the old blade's.
+            defaults = core.katana_defaults(self.zukuri)
+            parameters["zukuri"] = self.zukuri
+            tries.insert(0, {**defaults, **{key: parameters[key] for key in shown}})
         detail = self.detail if touched("detail") else obj.togishi.detail
         try:
-            katana = blade_object.make(parameters, detail)
+            parameters, katana = _first_blade(tries, detail)
         except core.InputError as error:
             self.report({"ERROR"}, f"The blade was left as it is: {error}")
             return {"CANCELLED"}
+        slots = blade_object.slot_of_part(obj.data)
         obj.data.clear_geometry()
         blade_object.fill_mesh(obj.data, katana, context.scene.unit_settings.scale_length or 1.0)
-        blade_object.remember(obj, parameters, detail)
+        blade_object.set_slots(obj.data, slots)
+        # Linked duplicates share the mesh, and with it the recipe.
+        for other in bpy.data.objects:
+            if other.data == obj.data:
+                blade_object.remember(other, parameters, detail)
         return {"FINISHED"}
 
 

@@ -6,8 +6,15 @@ import bpy
 
 from ..core import native
 
+# Library overrides keep none of the add-on's settings.
+LINKED = "This blade is linked from another file; make it local to change it"
 NEEDS_BLADE_MATERIAL = "Needs an object with a blade material; 'Assign Blade Material' gives one"
 NEEDS_OBJECT_MODE = "Works in Object Mode only"
+
+
+def local(*blocks: bpy.types.ID | None) -> bool:
+    """Whether changes to these data-blocks are saved with this file."""
+    return not any(block and (block.library or block.override_library) for block in blocks)
 
 
 def allowed(cls: type[bpy.types.Operator], *conditions: tuple[object, str]) -> bool:

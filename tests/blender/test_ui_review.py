@@ -1,0 +1,105 @@
+"""Operators on blades that are linked, shared, copied, or not where a fresh file has them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from ui_fixtures import DETAIL, add_katana, addon  # noqa: F401
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+from togishi import blade_object, properties  # noqa: E402
+from togishi.core import native  # noqa: E402
+from togishi.operators.add_katana import DIMENSIONS, preset_parameters  # noqa: E402
+
+
+@pytest.fixture
+def linked_blade(tmp_path) -> bpy.types.Object:
+    """A blade linked from another file, active."""
+    obj = add_katana()
+    path = tmp_path / "library.blend"
+    bpy.data.libraries.write(str(path), {obj})
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(path), link=True) as (_source, target):
+        target.objects = ["Katana"]
+    obj = bpy.data.objects["Katana"]
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def test_a_linked_blade_is_not_edited(linked_blade):
+    with pytest.raises(RuntimeError, match="linked from another file"):
+        bpy.ops.object.togishi_katana_edit(nagasa_mm=650.0)
+    assert len(linked_blade.data.polygons)
+
+
+def test_a_blade_with_shape_keys_is_not_edited():
+    add_katana().shape_key_add(name="Basis")
+    with pytest.raises(RuntimeError, match="shape keys"):
+        bpy.ops.object.togishi_katana_edit(nagasa_mm=650.0)
+
+
+def test_an_edit_keeps_the_slots_of_the_parts():
+    obj = add_katana()
+    obj.data.materials.append(bpy.data.materials.new("Nakago"))
+    part, count = 7, len(obj.data.polygons)
+    parts = np.empty(count, np.int32)
+    obj.data.attributes["togishi_part"].data.foreach_get("value", parts)
+    obj.data.polygons.foreach_set("material_index", (parts == part).astype(np.int32))
+    assert bpy.ops.object.togishi_katana_edit(nagasa_mm=650.0, detail=0.05) == {"FINISHED"}
+    parts = np.empty(len(obj.data.polygons), np.int32)
+    assert len(parts) != count
+    slots = np.empty_like(parts)
+    obj.data.attributes["togishi_part"].data.foreach_get("value", parts)
+    obj.data.polygons.foreach_get("material_index", slots)
+    np.testing.assert_array_equal(slots, parts == part)
+
+
+def test_an_edit_is_remembered_by_linked_duplicates():
+    obj = add_katana()
+    twin = bpy.data.objects.new("Twin", obj.data)
+    blade_object.remember(twin, properties.katana_parameters(obj), DETAIL)
+    bpy.context.collection.objects.link(twin)
+    bpy.ops.object.togishi_katana_edit(nagasa_mm=650.0)
+    assert properties.katana_parameters(twin) == properties.katana_parameters(obj)
+
+
+def test_a_preset_chosen_in_the_dialog_brings_its_hidden_dimensions():
+    obj = add_katana()
+    wanted = preset_parameters("TANTO")
+    # As the dialog has them: every field set, by the preset.
+    shown = {
+        key: wanted[key] for key in ("zukuri", "sori_type", "mune", *(r[0] for r in DIMENSIONS))
+    }
+    assert bpy.ops.object.togishi_katana_edit(preset="TANTO", **shown) == {"FINISHED"}
+    assert properties.katana_parameters(obj) == pytest.approx(wanted)
+
+
+def test_another_zukuri_brings_its_hidden_dimensions_and_keeps_the_shown():
+    obj = add_katana(nagasa_mm=650.0)
+    bpy.ops.object.togishi_katana_edit(zukuri="hira")
+    values = properties.katana_parameters(obj)
+    shown = {"sori_type", "mune", *(row[0] for row in DIMENSIONS)}
+    defaults = native.core().katana_defaults("hira")
+    assert values["nagasa_mm"] == 650.0
+    hidden = set(defaults) - shown
+    assert {key: values[key] for key in hidden} == {key: defaults[key] for key in hidden}
+
+
+def test_another_zukuri_keeps_hidden_dimensions_where_its_own_make_no_blade():
+    obj = add_katana()
+    assert bpy.ops.object.togishi_katana_edit(zukuri="shobu") == {"FINISHED"}
+    wanted = {**native.core().katana_defaults("shinogi"), "zukuri": "shobu"}
+    assert properties.katana_parameters(obj) == pytest.approx(wanted)
+
+
+def test_lights_for_a_mesh_beside_a_text_of_blade_steel():
+    obj = add_katana()
+    text = bpy.data.objects.new("Mei", bpy.data.curves.new("Mei", "FONT"))
+    text.data.materials.append(obj.active_material)
+    bpy.context.collection.objects.link(text)
+    bpy.context.view_layer.objects.active = text
+    assert blade_object.find_blade(bpy.context) == obj
+    assert bpy.ops.object.togishi_light_preset() == {"FINISHED"}
