@@ -1,5 +1,5 @@
-// shaders/shared/area/lobe_filter.glsl and environment_taps.glsl: what a pixel sees of a lobe, and a
-// lobe as a row of taps.
+// shaders/shared/area/lobe_filter.glsl and environment_taps.glsl: what a pixel sees of a lobe, and
+// a lobe as a row of taps.
 #include <gtest/gtest.h>
 
 #include <cmath>
