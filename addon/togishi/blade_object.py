@@ -140,6 +140,17 @@ def find_blade(context: bpy.types.Context) -> bpy.types.Object | None:
     return next((obj for obj in (active, *context.scene.objects) if is_blade_object(obj)), None)
 
 
+def edited_material(context: bpy.types.Context) -> bpy.types.Material | None:
+    """The blade material that operators work on: the one that the Properties editor shows, which may be pinned, else
+    the active slot's, else the blade's first."""
+    active = context.active_object
+    slot = None if active is None else active.active_material
+    for material in (getattr(context, "material", None), slot):
+        if properties.is_blade(material):
+            return material
+    return blade_material(find_blade(context))
+
+
 def blade_owner(material: bpy.types.Material) -> bpy.types.Object | None:
     """An object with this material that remembers a generated blade's dimensions."""
     for obj in bpy.data.objects:

@@ -9,7 +9,7 @@ from ui_fixtures import DETAIL, add_katana, addon  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("addon")
 
-from togishi import blade_object, properties  # noqa: E402
+from togishi import blade_object, map_images, properties  # noqa: E402
 from togishi.core import native  # noqa: E402
 from togishi.operators.add_katana import DIMENSIONS, preset_parameters  # noqa: E402
 
@@ -103,3 +103,82 @@ def test_lights_for_a_mesh_beside_a_text_of_blade_steel():
     bpy.context.view_layer.objects.active = text
     assert blade_object.find_blade(bpy.context) == obj
     assert bpy.ops.object.togishi_light_preset() == {"FINISHED"}
+
+
+@pytest.mark.parametrize(
+    "operator",
+    ["pattern_bake", "nodes_connect", "nodes_bake_for_scene", "load", "maps_import", "make_steel"],
+)
+def test_a_linked_material_is_not_changed(linked_blade, operator):
+    bpy.context.collection.objects.link(bpy.data.objects.new("L", bpy.data.lights.new("L", "SUN")))
+    with pytest.raises(RuntimeError, match="linked from another file"):
+        getattr(bpy.ops.material, f"togishi_{operator}")()
+
+
+def test_a_plain_linked_mesh_gets_no_material(linked_blade):
+    with pytest.raises(RuntimeError, match="linked from another file"):
+        bpy.ops.object.togishi_material_assign()
+
+
+def test_the_active_slots_material_is_baked():
+    obj = add_katana()
+    first = obj.active_material
+    second = blade_object.new_material("Second")
+    obj.data.materials.append(second)
+    obj.active_material_index = 1
+    second.togishi.pattern.width_px, second.togishi.pattern.height_px = 128, 32
+    assert bpy.ops.material.togishi_pattern_bake() == {"FINISHED"}
+    assert (first.togishi.lobes_image, second.togishi.lobes_image.size[0]) == (None, 128)
+
+
+def test_the_material_that_the_properties_editor_shows_comes_first(tmp_path):
+    add_katana()
+    pinned = blade_object.new_material("Pinned")
+    pinned.togishi.title = "Pinned steel"
+    with bpy.context.temp_override(material=pinned):
+        bpy.ops.material.togishi_save(filepath=str(tmp_path / "steel.toml"))
+    assert native.core().load_material(str(tmp_path / "steel.toml"))["name"] == "Pinned steel"
+
+
+def _lamp(energy: float, csv_path: str = "") -> bpy.types.Object:
+    obj = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    obj.data.energy = energy
+    obj.data.togishi.kind = "csv" if csv_path else "A"
+    obj.data.togishi.csv_path = csv_path
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
+def test_the_scenes_light_is_one_that_shines():
+    material = add_katana().active_material
+    _lamp(0.0)
+    _lamp(50.0).hide_render = True
+    with pytest.raises(RuntimeError, match="no light that shines"):
+        bpy.ops.material.togishi_nodes_bake_for_scene()
+    _lamp(10.0)
+    assert bpy.ops.material.togishi_nodes_bake_for_scene() == {"FINISHED"}
+    assert material.togishi.node_spectrum == "A"
+
+
+def test_an_unreadable_spectrum_is_a_sentence(tmp_path):
+    material = add_katana().active_material
+    before = material.togishi.node_spectrum
+    (tmp_path / "lamp.csv").write_text("no numbers")
+    _lamp(10.0, str(tmp_path / "lamp.csv"))
+    with pytest.raises(RuntimeError, match=r"^Error: The node groups were left as they are.*lamp"):
+        bpy.ops.material.togishi_nodes_bake_for_scene()
+    assert material.togishi.node_spectrum == before
+
+
+def test_paths_beside_the_file(tmp_path):
+    material = add_katana().active_material
+    map_images.assign(
+        material,
+        {n: np.full((4, 4), 0.5, np.float32) for n in ("ji.ln_mu_deg", "ha.ln_mu_deg", "w")},
+    )
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "blade.blend"))
+    bpy.ops.material.togishi_save(filepath="//steel.toml")
+    bpy.ops.material.togishi_load(filepath="//steel.toml")
+    bpy.ops.material.togishi_maps_export(filepath="//maps.exr")
+    bpy.ops.material.togishi_maps_import(filepath="//maps.exr")
+    assert {p.name for p in tmp_path.iterdir()} >= {"steel.toml", "maps.exr"}

@@ -11,15 +11,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from .. import blade_object, properties
 from ..core import atomic, native
 from ..nodes import steel_group
-from .poll import NEEDS_BLADE_MATERIAL, allowed
-
-
-def _material(context: bpy.types.Context) -> bpy.types.Material | None:
-    """The material that is being edited: the active slot's, else the blade's."""
-    obj = context.active_object
-    if obj is not None and properties.is_blade(obj.active_material):
-        return obj.active_material
-    return blade_object.blade_material(blade_object.find_blade(context))
+from .poll import LINKED, NEEDS_BLADE_MATERIAL, allowed, editable, local
 
 
 class TOGISHI_OT_material_assign(bpy.types.Operator):
@@ -33,7 +25,9 @@ class TOGISHI_OT_material_assign(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.active_object
         return allowed(
-            cls, (obj is not None and obj.type == "MESH", "Needs a mesh as the active object")
+            cls,
+            (obj is not None and obj.type == "MESH", "Needs a mesh as the active object"),
+            (obj is None or local(obj, obj.data), LINKED),
         )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -41,6 +35,9 @@ class TOGISHI_OT_material_assign(bpy.types.Operator):
         material = blade_object.blade_material(context.active_object)
         for obj in objects:
             if obj.type != "MESH" or blade_object.blade_material(obj) is not None:
+                continue
+            if not local(obj, obj.data):
+                self.report({"WARNING"}, f"{obj.name!r} was left as it is: {LINKED}")
                 continue
             if material is None:
                 material = blade_object.new_material()
@@ -60,17 +57,21 @@ class TOGISHI_OT_material_steel(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        obj = context.active_object
+        material = cls._target(context)
         return allowed(
             cls,
-            (
-                obj is not None and obj.active_material,
-                "The active object has no material to change",
-            ),
+            (material, "The active object has no material to change"),
+            (local(material), LINKED),
         )
 
+    @staticmethod
+    def _target(context: bpy.types.Context) -> bpy.types.Material | None:
+        obj = context.active_object
+        return getattr(context, "material", None) or (obj.active_material if obj else None)
+
     def execute(self, context: bpy.types.Context) -> set[str]:
-        material = context.active_object.active_material
+        material = self._target(context)
+        assert material is not None
         with properties.held_updates():
             material.togishi.is_blade = True
             properties.set_material_dict(
@@ -92,15 +93,15 @@ class TOGISHI_OT_material_load(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
+        return allowed(cls, *editable(blade_object.edited_material(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            values = native.core().load_material(self.filepath)
+            values = native.core().load_material(bpy.path.abspath(self.filepath))
         except (native.core().InputError, OSError) as error:
             self.report({"ERROR"}, f"The material was left as it is: {error}")
             return {"CANCELLED"}
-        properties.set_material_dict(_material(context), values)
+        properties.set_material_dict(blade_object.edited_material(context), values)
         return {"FINISHED"}
 
 
@@ -116,18 +117,19 @@ class TOGISHI_OT_material_save(bpy.types.Operator, ExportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
+        return allowed(cls, (blade_object.edited_material(context), NEEDS_BLADE_MATERIAL))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        path = Path(bpy.path.abspath(self.filepath))
         try:
             text = native.core().material_to_toml(
-                properties.material_dict(_material(context), with_fits=True)
+                properties.material_dict(blade_object.edited_material(context), with_fits=True)
             )
-            atomic.write_text(Path(self.filepath), text)
+            atomic.write_text(path, text)
         except (native.core().InputError, OSError) as error:
             self.report({"ERROR"}, f"Nothing was saved: {error}")
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Saved {self.filepath}")
+        self.report({"INFO"}, f"Saved {path}")
         return {"FINISHED"}
 
 

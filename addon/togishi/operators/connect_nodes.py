@@ -5,11 +5,38 @@ from __future__ import annotations
 import bpy
 from bpy.props import StringProperty
 
-from .. import bake_cost_cache, properties
+from .. import bake_cost_cache, blade_object, properties
 from ..core import native
 from ..nodes import steel_group
-from .blade_material import _material
-from .poll import NEEDS_BLADE_MATERIAL, allowed
+from .poll import allowed, editable
+
+
+def _lights(scene: bpy.types.Scene) -> list[bpy.types.Light]:
+    """The lights that a render of the scene has."""
+    return [
+        obj.data
+        for obj in scene.objects
+        if obj.type == "LIGHT" and not obj.hide_render and obj.data.energy > 0.0
+    ]
+
+
+def _bake(operator: bpy.types.Operator, context: bpy.types.Context, spectrum: str) -> set[str]:
+    """Bake for a spectrum, or for the material's own where it is empty; what is wrong with it is reported."""
+    material = blade_object.edited_material(context)
+    assert material is not None
+    before = material.togishi.node_spectrum
+    try:
+        with properties.held_updates():
+            if spectrum:
+                material.togishi.node_spectrum = spectrum
+        steel_group.connect(material)
+        bake_cost_cache.store(material)
+    except native.core().InputError as error:
+        with properties.held_updates():
+            material.togishi.node_spectrum = before
+        operator.report({"ERROR"}, f"The node groups were left as they are: {error}")
+        return {"CANCELLED"}
+    return {"FINISHED"}
 
 
 class TOGISHI_OT_nodes_connect(bpy.types.Operator):
@@ -27,23 +54,10 @@ class TOGISHI_OT_nodes_connect(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
+        return allowed(cls, *editable(blade_object.edited_material(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        material = _material(context)
-        before = material.togishi.node_spectrum
-        try:
-            with properties.held_updates():
-                if self.spectrum:
-                    material.togishi.node_spectrum = self.spectrum
-            steel_group.connect(material)
-            bake_cost_cache.store(material)
-        except native.core().InputError as error:
-            with properties.held_updates():
-                material.togishi.node_spectrum = before
-            self.report({"ERROR"}, f"The node groups were left as they are: {error}")
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        return _bake(self, context, self.spectrum)
 
 
 class TOGISHI_OT_nodes_light(bpy.types.Operator):
@@ -55,17 +69,17 @@ class TOGISHI_OT_nodes_light(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        lit = any(obj.type == "LIGHT" for obj in context.scene.objects)
         return allowed(
             cls,
-            (_material(context), NEEDS_BLADE_MATERIAL),
-            (lit, "The scene has no light to bake for"),
+            *editable(blade_object.edited_material(context)),
+            (_lights(context.scene), "The scene has no light that shines to bake for"),
         )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        lights = [obj.data for obj in context.scene.objects if obj.type == "LIGHT"]
-        strongest = max(lights, key=lambda light: (light.type != "SUN", light.energy))
-        return bpy.ops.material.togishi_nodes_connect(spectrum=properties.light_spectrum(strongest))
+        strongest = max(
+            _lights(context.scene), key=lambda light: (light.type != "SUN", light.energy)
+        )
+        return _bake(self, context, properties.light_spectrum(strongest))
 
 
 CLASSES = (TOGISHI_OT_nodes_connect, TOGISHI_OT_nodes_light)

@@ -12,7 +12,7 @@ from bpy_extras.io_utils import ImportHelper
 from .. import blade_object, measurement, properties
 from ..core import fit_apply, fit_table, native
 from .modal_job import ModalJob
-from .poll import NEEDS_BLADE_MATERIAL, allowed
+from .poll import allowed, editable
 
 NEEDS_FIT = "Nothing has been fitted in this scene yet; 'Fit Measurement' does"
 
@@ -86,7 +86,7 @@ class TOGISHI_OT_measurement_fit(bpy.types.Operator, ImportHelper):
 
     def _paths(self) -> list[str]:
         named = [str(Path(self.directory) / file.name) for file in self.files if file.name]
-        return named or [self.filepath]
+        return [bpy.path.abspath(path) for path in named or [self.filepath]]
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         options = {"haze": self.haze, **({} if self.metal == "file" else {"metal": self.metal})}
@@ -172,15 +172,14 @@ class TOGISHI_OT_measurement_apply(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        blade = blade_object.find_blade(context)
         return allowed(
             cls,
             (len(context.scene.togishi_measurement.fits), NEEDS_FIT),
-            (blade_object.blade_material(blade), NEEDS_BLADE_MATERIAL),
+            *editable(blade_object.edited_material(context)),
         )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        material = blade_object.blade_material(blade_object.find_blade(context))
+        material = blade_object.edited_material(context)
         assert material is not None
         fit = chosen_fit(self, context)
         if fit is None:

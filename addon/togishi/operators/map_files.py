@@ -8,14 +8,12 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from .. import map_files, map_images
+from .. import blade_object, map_files, map_images
 from ..core.map_channels import MapError
-from .blade_material import _material
-from .poll import NEEDS_BLADE_MATERIAL, allowed
+from .poll import NEEDS_BLADE_MATERIAL, allowed, editable
 
 
-def _has_maps(context: bpy.types.Context) -> tuple[tuple[object, str], ...]:
-    material = _material(context)
+def _has_maps(material: bpy.types.Material | None) -> tuple[tuple[object, str], ...]:
     maps = material is not None and material.togishi.lobes_image is not None
     return (
         (material, NEEDS_BLADE_MATERIAL),
@@ -35,11 +33,12 @@ class TOGISHI_OT_maps_export(bpy.types.Operator, ExportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, *_has_maps(context))
+        return allowed(cls, *_has_maps(blade_object.edited_material(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        path = Path(bpy.path.abspath(self.filepath))
         try:
-            written = map_files.save(map_images.read(_material(context)), Path(self.filepath))
+            written = map_files.save(map_images.read(blade_object.edited_material(context)), path)
         except (MapError, OSError) as error:
             self.report({"ERROR"}, f"Nothing was saved: {error}")
             return {"CANCELLED"}
@@ -59,11 +58,12 @@ class TOGISHI_OT_maps_import(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, (_material(context), NEEDS_BLADE_MATERIAL))
+        return allowed(cls, *editable(blade_object.edited_material(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        path = Path(bpy.path.abspath(self.filepath))
         try:
-            map_images.assign(_material(context), map_files.load(Path(self.filepath)))
+            map_images.assign(blade_object.edited_material(context), map_files.load(path))
         except (MapError, OSError) as error:
             self.report({"ERROR"}, f"The maps were left as they are: {error}")
             return {"CANCELLED"}
@@ -79,10 +79,11 @@ class TOGISHI_OT_maps_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, *_has_maps(context))
+        material = blade_object.edited_material(context)
+        return allowed(cls, *_has_maps(material), *editable(material))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        map_images.clear(_material(context))
+        map_images.clear(blade_object.edited_material(context))
         return {"FINISHED"}
 
 

@@ -17,6 +17,11 @@ def local(*blocks: bpy.types.ID | None) -> bool:
     return not any(block and (block.library or block.override_library) for block in blocks)
 
 
+def editable(material: bpy.types.Material | None) -> tuple[tuple[object, str], ...]:
+    """The conditions of every operator that changes a blade material."""
+    return (material, NEEDS_BLADE_MATERIAL), (local(material), LINKED)
+
+
 def allowed(cls: type[bpy.types.Operator], *conditions: tuple[object, str]) -> bool:
     """Whether the native module works and every condition holds; the first that does not has its sentence shown."""
     for holds, sentence in ((not native.problem(), native.problem()), *conditions):

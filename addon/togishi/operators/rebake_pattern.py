@@ -7,7 +7,20 @@ import bpy
 from .. import blade_object, map_images, pattern_baking, properties
 from ..core import native
 from .modal_job import ModalJob
-from .poll import allowed
+from .poll import LINKED, allowed, local
+
+
+def _generated(
+    context: bpy.types.Context, material: bpy.types.Material | None
+) -> bpy.types.Object | None:
+    """The generated blade with this material: the one at hand where it has it, for a material may be on several."""
+    if material is None:
+        return None
+    blade = blade_object.find_blade(context)
+    own = blade is not None and any(slot.material == material for slot in blade.material_slots)
+    if own and blade.togishi.katana_json:
+        return blade
+    return blade_object.blade_owner(material)
 
 
 class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
@@ -22,12 +35,11 @@ class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        blade = blade_object.find_blade(context)
-        material = blade_object.blade_material(blade)
-        generated = blade is not None and blade.togishi.katana_json and material is not None
+        material = blade_object.edited_material(context)
         return allowed(
             cls,
-            (generated, "Needs a generated blade with a blade material"),
+            (_generated(context, material), "Needs a generated blade with a blade material"),
+            (local(material), LINKED),
             (
                 material is None or not pattern_baking.is_running(material),
                 "This pattern is being baked. Esc in the 3-D view cancels it",
@@ -35,10 +47,11 @@ class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
         )
 
     def _targets(self, context: bpy.types.Context) -> tuple[bpy.types.Material, dict[str, object]]:
-        blade = blade_object.find_blade(context)
-        material = blade_object.blade_material(blade)
-        parameters = properties.katana_parameters(blade)
+        material = blade_object.edited_material(context)
         assert material is not None
+        blade = _generated(context, material)
+        assert blade is not None
+        parameters = properties.katana_parameters(blade)
         assert parameters is not None
         return material, parameters
 
