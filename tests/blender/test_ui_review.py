@@ -11,6 +11,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 from togishi import blade_object, map_images, properties  # noqa: E402
 from togishi.core import native  # noqa: E402
+from togishi.nodes import steel_group  # noqa: E402
 from togishi.operators.add_katana import DIMENSIONS, preset_parameters  # noqa: E402
 
 
@@ -182,3 +183,48 @@ def test_paths_beside_the_file(tmp_path):
     bpy.ops.material.togishi_maps_export(filepath="//maps.exr")
     bpy.ops.material.togishi_maps_import(filepath="//maps.exr")
     assert {p.name for p in tmp_path.iterdir()} >= {"steel.toml", "maps.exr"}
+
+
+def _tables(material: bpy.types.Material) -> list[bpy.types.Image]:
+    trees = [steel_group.group_of(material, target) for target in ("CYCLES", "EEVEE")]
+    return [tree.nodes["F(theta)"].image for tree in trees]
+
+
+def test_a_renamed_materials_table_stays_its_own():
+    gold = blade_object.new_material("Katana steel")
+    gold.togishi.metal_choice = next(
+        m["name"] for m in native.core().metals() if m["name"] != gold.togishi.metal
+    )
+    before = list(_tables(gold)[0].pixels)
+    gold.name = "Gold"
+    iron = blade_object.new_material("Katana steel")
+    assert list(_tables(gold)[0].pixels) == before
+    assert list(_tables(iron)[0].pixels) != before
+    copy = gold.copy()
+    copy.togishi.metal_choice = iron.togishi.metal
+    assert list(_tables(gold)[0].pixels) == before
+    assert len({*_tables(gold), *_tables(iron), *_tables(copy)}) == 3
+
+
+def test_a_long_japanese_name_leaves_no_tables_behind():
+    material = blade_object.new_material("備前国住長船七郎衛門尉行包作の刀")
+    for weight in (2.0, 3.0, 4.0):
+        material.togishi.ji.mu_t_deg = weight
+        steel_group.connect(material)
+    assert len(set(_tables(material))) == 1
+    assert len(bpy.data.images) == 1
+
+
+def test_a_new_blades_table_is_not_the_librarys(linked_blade):
+    material = blade_object.new_material(linked_blade.active_material.name)
+    assert all(image.library is None for image in _tables(material))
+
+
+def test_a_material_made_local_gets_groups_of_its_own(linked_blade):
+    linked_blade.make_local()
+    linked_blade.data.make_local()
+    material = linked_blade.active_material.make_local()
+    material.togishi.ji.mu_t_deg = 3.0
+    for target in ("CYCLES", "EEVEE"):
+        assert steel_group.group_of(material, target).library is None
+    assert all(image.library is None for image in _tables(material))

@@ -107,7 +107,7 @@ class _Builder:
         u = graph.add(position, 0.5 / TABLE_SIZE)
         node = graph.node(
             "ShaderNodeTexImage",
-            "F(theta)",
+            TABLE_NODE,
             image=table,
             interpolation="Linear",
             extension="EXTEND",
@@ -214,13 +214,33 @@ PARTS = ("other", "ji", "shinogi_ji", "ha", "mune", "kissaki", "boshi", "nakago"
 # --- table ---------------------------------------------------------------------------------------
 
 
+TABLE_NODE = "F(theta)"
+
+
+def _own_table(material: bpy.types.Material) -> bpy.types.Image | None:
+    """The image in the material's own groups, where nobody else has it. Names say nothing: they are cut, they are
+    changed, and other files have them too."""
+    trees = [group_of(material, target) for target in (CYCLES, EEVEE) if _is_own(material, target)]
+    nodes = [tree.nodes.get(TABLE_NODE) for tree in trees]
+    images = [node.image for node in nodes if node is not None and node.image is not None]
+    for image in images:
+        mine = image.library is None and image.users <= images.count(image)
+        if mine and tuple(image.size) == (TABLE_SIZE, 1):
+            return image
+    return None
+
+
 def _write_table(material: bpy.types.Material) -> bpy.types.Image:
     """The Fresnel table as an image of one row. Writing it takes some 0.1 ms."""
-    name = f"{GROUP_NAME} F: {material.name}"
-    image = bpy.data.images.get(name)
-    if image is None or tuple(image.size) != (TABLE_SIZE, 1):
+    image = _own_table(material)
+    if image is None:
         image = bpy.data.images.new(
-            name, TABLE_SIZE, 1, alpha=False, float_buffer=True, is_data=True
+            f"{GROUP_NAME} F: {material.name}",
+            TABLE_SIZE,
+            1,
+            alpha=False,
+            float_buffer=True,
+            is_data=True,
         )
         image.use_half_precision = False
     table = native.core().fresnel_table(
@@ -282,15 +302,19 @@ def group_of(material: bpy.types.Material, target: str) -> bpy.types.ShaderNodeT
     return None if node is None else node.node_tree
 
 
-def _others_use(tree: bpy.types.ShaderNodeTree, material: bpy.types.Material, target: str) -> bool:
-    """A copied material has the group of the first one, until it is brought up to date."""
-    return any(group_of(other, target) == tree for other in bpy.data.materials if other != material)
+def _is_own(material: bpy.types.Material, target: str) -> bool:
+    """Whether the material has a group for itself. A copied material has the group of the first one until it is
+    brought up to date, and one that was made local may have its library's."""
+    tree = group_of(material, target)
+    if tree is None or tree.library is not None:
+        return False
+    return all(group_of(other, target) != tree for other in bpy.data.materials if other != material)
 
 
 def update_group(material: bpy.types.Material, target: str) -> bpy.types.ShaderNodeTree:
     """Make or bring up to date the group of a material for "CYCLES" or "EEVEE"."""
     tree = group_of(material, target)
-    if tree is None or _others_use(tree, material, target):
+    if tree is None or not _is_own(material, target):
         tree = bpy.data.node_groups.new(group_name(material, target), "ShaderNodeTree")
         tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
     table = _write_table(material)
@@ -302,7 +326,7 @@ def update_group(material: bpy.types.Material, target: str) -> bpy.types.ShaderN
         tree[KEY] = structure
     else:
         for label, image in (
-            ("F(theta)", table),
+            (TABLE_NODE, table),
             ("lobes", builder.lobes_image),
             ("shape", builder.shape_image),
         ):
