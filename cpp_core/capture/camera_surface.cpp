@@ -32,6 +32,7 @@ glm::dvec2 pixel_centre(const Camera& camera, std::size_t i) {
 
 struct Triangle {
     std::size_t corner[3];
+    Part part;
 };
 
 }  // namespace
@@ -105,6 +106,7 @@ SurfaceView view_of_plane(const glm::dvec3& point_mm, const glm::dvec3& normal,
 
 SurfaceView view_of_mesh(const KatanaMesh& mesh, const Camera& camera) {
     SurfaceView view = empty_view(camera);
+    view.part.assign(view.pixels(), Part::other);
     std::vector<std::optional<glm::dvec2>> projected(mesh.positions_mm.size());
     for (std::size_t v = 0; v < projected.size(); ++v)
         projected[v] = camera.project(mesh.positions_mm[v]);
@@ -113,7 +115,8 @@ SurfaceView view_of_mesh(const KatanaMesh& mesh, const Camera& camera) {
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
         const auto first = static_cast<std::size_t>(mesh.face_start[f]);
         const auto end = static_cast<std::size_t>(mesh.face_start[f + 1]);
-        for (std::size_t c = first + 1; c + 1 < end; ++c) triangles.push_back({{first, c, c + 1}});
+        for (std::size_t c = first + 1; c + 1 < end; ++c)
+            triangles.push_back({{first, c, c + 1}, mesh.face_part[f]});
     }
     std::vector<double> depth(view.pixels(), std::numeric_limits<double>::infinity());
     const auto vertex = [&](std::size_t corner) {
@@ -170,6 +173,7 @@ SurfaceView view_of_mesh(const KatanaMesh& mesh, const Camera& camera) {
                 const glm::vec3 along_t = blend(mesh.corner_tangent);
                 depth[i] = at;
                 view.seen[i] = 1;
+                view.part[i] = triangle.part;
                 view.position_mm[i] = hit;
                 view.normal[i] = n;
                 view.tangent[i] = glm::normalize(along_t - n * glm::dot(n, along_t));

@@ -20,6 +20,7 @@ struct SurfaceView {
     std::vector<glm::vec3> normal;
     std::vector<glm::vec3> tangent;
     std::vector<glm::vec2> uv;  ///< the chart of the surface's maps
+    std::vector<Part> part;     ///< of a blade; empty: not told
 
     [[nodiscard]] std::size_t pixels() const { return seen.size(); }
 };

@@ -356,6 +356,9 @@ DiffuseResult solve_diffuse(const SurfaceView& view,
                 for (std::size_t x = 0; x < width; ++x) {
                     const std::size_t i = y * width + x;
                     if (view.seen[i] == 0) continue;
+                    // Shinogi-ji, mune and kissaki are polished to lobes of their own.
+                    if (!view.part.empty() && view.part[i] != Part::ji && view.part[i] != Part::ha)
+                        continue;
                     std::uint8_t mask = 0;
                     std::vector<Reading> readings;
                     readings.reserve(photographs.size());
