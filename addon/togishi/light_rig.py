@@ -12,6 +12,8 @@ from mathutils import Matrix, Vector
 from .core import light_presets, spectrum_spec
 
 COLLECTION = "Togishi lights"
+# On the collection and on the lamps that a preset made. Names say nothing: Blender numbers them in a second scene.
+MARK = "togishi_light_preset"
 JI = 1  # shaders/shared/parts.glsl
 
 
@@ -48,15 +50,15 @@ def _ji_normal(obj: bpy.types.Object, view: Vector) -> Vector | None:
 
 def frame_of(obj: bpy.types.Object, to_viewer: Vector | None = None) -> Frame:
     """to_viewer: from what is looked at to the camera; without one the blade is looked at square on. It is the
-    camera's axis, not its place, so that close-ups of a blade's end are lit as they look. Generated blades lie along +x
-    with omote towards +y; of other objects the longest side is the length and the shortest looks at the viewer."""
+    camera's axis, not its place, so that close-ups of a blade's end are lit as they look. The longest side is the length
+    and the shortest looks at the viewer, wherever the object's own axes point: Apply Rotation turns them."""
     corners = [Vector(corner) for corner in obj.bound_box]
     low = Vector(map(min, zip(*corners, strict=True)))
     high = Vector(map(max, zip(*corners, strict=True)))
     size = high - low
     matrix = obj.matrix_world
     middle = matrix @ ((low + high) * 0.5)
-    long_axis = 0 if obj.togishi.katana_json else max(range(3), key=lambda i: size[i])
+    long_axis = max(range(3), key=lambda i: size[i])
     thin_axis = min((i for i in range(3) if i != long_axis), key=lambda i: size[i])
     basis = matrix.to_3x3()
     along = basis.col[long_axis].copy()
@@ -85,16 +87,40 @@ def set_spectrum(light: bpy.types.Light, kind: str, temperature_k: float = 0.0) 
         settings.daylight_k = temperature_k
 
 
+def _collections(scene: bpy.types.Scene) -> list[bpy.types.Collection]:
+    """Those that presets made in this scene, or that it was copied with."""
+    return [child for child in scene.collection.children if child.get(MARK) and not child.library]
+
+
+def _is_shared(collection: bpy.types.Collection, scene: bpy.types.Scene) -> bool:
+    """Whether another scene shows the collection too, as after a linked copy."""
+    return any(
+        collection in other.collection.children_recursive
+        for other in bpy.data.scenes
+        if other != scene
+    )
+
+
 def clear(scene: bpy.types.Scene) -> None:
-    """Remove the lights that an earlier preset made in this scene."""
-    collection = scene.collection.children.get(COLLECTION)
-    if collection is None:
-        return
-    for obj in list(collection.objects):
-        data = obj.data
-        bpy.data.objects.remove(obj)
-        if isinstance(data, bpy.types.Light) and data.users == 0:
-            bpy.data.lights.remove(data)
+    """Remove the lights that an earlier preset made in this scene. What else lies in their collection stays, and so do
+    the lights of other scenes."""
+    for collection in _collections(scene):
+        if _is_shared(collection, scene):
+            scene.collection.children.unlink(collection)
+            for obj in collection.objects:
+                if not obj.get(MARK) and obj.name not in scene.collection.objects:
+                    scene.collection.objects.link(obj)
+            continue
+        for obj in list(collection.objects):
+            if not obj.get(MARK):
+                continue
+            if any(other != scene for other in obj.users_scene):
+                collection.objects.unlink(obj)
+                continue
+            data = obj.data
+            bpy.data.objects.remove(obj)
+            if isinstance(data, bpy.types.Light) and data.users == 0:
+                bpy.data.lights.remove(data)
 
 
 def add(
@@ -116,9 +142,12 @@ def add_lamps(
     set_world: bool = True,
 ) -> list[bpy.types.Object]:
     """The same for lamps that stand in no list of presets."""
-    collection = scene.collection.children.get(COLLECTION)
-    if collection is None:
+    own = [found for found in _collections(scene) if not _is_shared(found, scene)]
+    if own:
+        collection = own[0]
+    else:
         collection = bpy.data.collections.new(COLLECTION)
+        collection[MARK] = True
         scene.collection.children.link(collection)
     axis = scene.camera.matrix_world.to_3x3().col[2] if scene.camera else None
     frame = frame_of(target, axis)
@@ -147,6 +176,7 @@ def add_lamps(
             light.spot_blend = lamp.blend
         set_spectrum(light, lamp.spectrum_kind, lamp.temperature_k)
         obj = bpy.data.objects.new(light.name, light)
+        obj[MARK] = True
         obj.location = position
         _aim(obj, position, aim)
         collection.objects.link(obj)

@@ -9,7 +9,7 @@ from ui_fixtures import DETAIL, add_katana, addon  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("addon")
 
-from togishi import blade_object, map_images, properties  # noqa: E402
+from togishi import blade_object, light_rig, map_images, properties  # noqa: E402
 from togishi.core import native  # noqa: E402
 from togishi.nodes import steel_group  # noqa: E402
 from togishi.operators.add_katana import DIMENSIONS, preset_parameters  # noqa: E402
@@ -228,3 +228,63 @@ def test_a_material_made_local_gets_groups_of_its_own(linked_blade):
     for target in ("CYCLES", "EEVEE"):
         assert steel_group.group_of(material, target).library is None
     assert all(image.library is None for image in _tables(material))
+
+
+def _lights(scene: bpy.types.Scene) -> set[str]:
+    return {obj.name for obj in scene.objects if obj.type == "LIGHT"}
+
+
+def test_presets_replace_each_other_in_a_second_scene_too():
+    first = bpy.context.scene
+    obj = add_katana()
+    light_rig.add(first, obj, "MUSEUM_SPOT")
+    second = bpy.data.scenes.new("Second")
+    before = _lights(first)
+    for _ in range(2):
+        light_rig.clear(second)
+        made = light_rig.add(second, obj, "MUSEUM_SPOT")
+        assert _lights(second) == {lamp.name for lamp in made}
+    assert _lights(first) == before
+
+
+def test_presets_leave_the_users_objects_alone():
+    scene = bpy.context.scene
+    obj = add_katana()
+    light_rig.add(scene, obj, "MUSEUM_SPOT")
+    collection = bpy.data.collections[light_rig.COLLECTION]
+    for name, data in (
+        ("Eye", bpy.data.cameras.new("Eye")),
+        ("Own", bpy.data.lights.new("Own", "SUN")),
+    ):
+        collection.objects.link(bpy.data.objects.new(name, data))
+    light_rig.clear(scene)
+    assert {found.name for found in collection.objects} == {"Eye", "Own"}
+
+
+def test_presets_of_a_linked_copy_leave_the_first_scenes_lights():
+    first = bpy.context.scene
+    obj = add_katana()
+    light_rig.add(first, obj, "MUSEUM_SPOT")
+    camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    bpy.data.collections[light_rig.COLLECTION].objects.link(camera)
+    before = _lights(first)
+    bpy.ops.scene.new(type="LINK_COPY")
+    copy = bpy.context.scene
+    assert copy != first
+    light_rig.clear(copy)
+    made = light_rig.add(copy, obj, "TUNGSTEN_CASE")
+    assert _lights(first) == before
+    assert _lights(copy) == {lamp.name for lamp in made}
+    assert "Eye" in copy.objects
+
+
+def test_the_lights_of_a_blade_whose_rotation_was_applied():
+    obj = add_katana()
+    bpy.context.view_layer.update()
+    before = light_rig.frame_of(obj)
+    obj.rotation_euler.z = np.pi / 2
+    bpy.ops.object.transform_apply(location=False, rotation=True, scale=False)
+    bpy.context.view_layer.update()
+    frame = light_rig.frame_of(obj)
+    assert frame.half_length == pytest.approx(before.half_length, rel=1e-3)
+    assert abs(frame.along.y) == pytest.approx(1.0)
