@@ -71,13 +71,28 @@ class TogishiMeasurement(bpy.types.PropertyGroup):
     fits: CollectionProperty(type=TogishiFit)
 
 
+def _others_have(image: bpy.types.Image, scene: bpy.types.Scene) -> bool:
+    """Whether another scene's measurement has the plot too, as after copying a scene."""
+    return any(
+        image in (fit.scans_image, fit.mu_eff_image)
+        for other in bpy.data.scenes
+        if other != scene
+        for fit in other.togishi_measurement.fits
+    )
+
+
 def _write(
-    name: str, existing: bpy.types.Image | None, pixels: NDArray[np.uint8]
+    name: str,
+    existing: bpy.types.Image | None,
+    pixels: NDArray[np.uint8],
+    scene: bpy.types.Scene,
 ) -> bpy.types.Image:
     height, width = pixels.shape[:2]
     image = existing
+    if image is not None and (image.library or _others_have(image, scene)):
+        image = None
     if image is None or tuple(image.size) != (width, height):
-        if image is not None and image.users <= 1:
+        if image is not None and image.users == 0:
             bpy.data.images.remove(image)
         image = bpy.data.images.new(name, width, height, alpha=False)
     rgba = np.ones((height, width, 4), np.float32)
@@ -105,9 +120,11 @@ def keep(
         item = kept.fits.add()
         item.name = record["model"]
         item.record_json = json.dumps(record)
-        item.scans_image = _write(f"Fit of {record['model']}", scans_image, pictures["scans"])
+        item.scans_image = _write(
+            f"Fit of {record['model']}", scans_image, pictures["scans"], scene
+        )
         item.mu_eff_image = _write(
-            f"Fit of {record['model']}, half width", mu_eff_image, pictures["mu_eff"]
+            f"Fit of {record['model']}, half width", mu_eff_image, pictures["mu_eff"], scene
         )
     for images in old[len(result) :]:
         for image in images:

@@ -80,6 +80,14 @@ def _shown(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     self.id_data.update_tag()
 
 
+def _passes_changed(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """The compositor's Render Layers gets a socket for a pass, or loses it."""
+    scene = self.id_data
+    scene.update_tag()
+    for layer in scene.view_layers:
+        layer.update_render_passes()
+
+
 # --- menus over text ----------------------------------------------------------------------------
 # A dynamic enum keeps a number in the file, which means another entry when the list changes. So the
 # file keeps the name, and the menu reads and writes it.
@@ -535,13 +543,13 @@ class TogishiScene(bpy.types.PropertyGroup):
         name="Depth",
         description="Write the distance to the camera",
         default=False,
-        update=_shown,
+        update=_passes_changed,
     )
     use_pass_part: BoolProperty(
         name="Part id",
         description="Write which part of the blade a pixel shows (1 ji, 2 shinogi-ji, 3 ha, …)",
         default=False,
-        update=_shown,
+        update=_passes_changed,
     )
     observer: EnumProperty(
         name="Observer",

@@ -9,7 +9,7 @@ from ui_fixtures import DETAIL, add_katana, addon  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("addon")
 
-from togishi import blade_object, light_rig, map_images, properties  # noqa: E402
+from togishi import blade_object, light_rig, map_images, measurement, properties  # noqa: E402
 from togishi.core import native  # noqa: E402
 from togishi.nodes import steel_group  # noqa: E402
 from togishi.operators.add_katana import DIMENSIONS, preset_parameters  # noqa: E402
@@ -114,6 +114,12 @@ def test_a_linked_material_is_not_changed(linked_blade, operator):
     bpy.context.collection.objects.link(bpy.data.objects.new("L", bpy.data.lights.new("L", "SUN")))
     with pytest.raises(RuntimeError, match="linked from another file"):
         getattr(bpy.ops.material, f"togishi_{operator}")()
+
+
+def test_no_fit_goes_into_a_linked_material(linked_blade):
+    bpy.context.scene.togishi_measurement.fits.add()
+    with pytest.raises(RuntimeError, match="linked from another file"):
+        bpy.ops.scene.togishi_measurement_apply()
 
 
 def test_a_plain_linked_mesh_gets_no_material(linked_blade):
@@ -288,3 +294,55 @@ def test_the_lights_of_a_blade_whose_rotation_was_applied():
     frame = light_rig.frame_of(obj)
     assert frame.half_length == pytest.approx(before.half_length, rel=1e-3)
     assert abs(frame.along.y) == pytest.approx(1.0)
+
+
+def test_a_pass_that_is_switched_on_gets_its_socket():
+    scene = bpy.context.scene
+    scene.render.engine = "TOGISHI"
+    tree = compositor(scene)
+    node = tree.nodes.new("CompositorNodeRLayers")
+    node.scene = scene
+
+    def sockets() -> set[str]:
+        return {socket.name for socket in node.outputs if socket.enabled}
+
+    assert not {"Depth", "Togishi Part"} & sockets()
+    scene.togishi.use_pass_depth = True
+    scene.togishi.use_pass_part = True
+    assert {"Depth", "Togishi Part"} <= sockets()
+
+
+def compositor(scene: bpy.types.Scene) -> bpy.types.NodeTree:
+    if bpy.app.version >= (5, 0, 0):
+        scene.compositing_node_group = bpy.data.node_groups.new("Comp", "CompositorNodeTree")
+        return scene.compositing_node_group
+    scene.use_nodes = True
+    return scene.node_tree
+
+
+def test_maps_of_another_size_replace_the_former_ones():
+    material = blade_object.new_material()
+    names = ("ji.ln_mu_deg", "ha.ln_mu_deg", "w", "ji.e1", "ji.e2", "ha.e1", "ha.e2")
+    before = len(bpy.data.images)
+    for size in (4, 8, 16):
+        map_images.assign(material, {n: np.full((size, size), 0.5, np.float32) for n in names})
+        assert len(bpy.data.images) == before + 2
+    assert tuple(material.togishi.lobes_image.size) == (16, 16)
+
+
+def test_a_fit_in_a_copied_scene_leaves_the_firsts_plots():
+    class Fit:
+        record = {"model": "smooth"}
+
+    def pictures(value: int) -> dict[str, np.ndarray]:
+        return {name: np.full((2, 3, 3), value, np.uint8) for name in ("scans", "mu_eff")}
+
+    first = bpy.context.scene
+    measurement.keep(first, ["a.csv"], [(Fit, pictures(255))])
+    copy = first.copy()
+    measurement.keep(copy, ["b.csv"], [(Fit, pictures(0))])
+    assert first.togishi_measurement.fits[0].scans_image.pixels[0] == 1.0
+    assert copy.togishi_measurement.fits[0].scans_image.pixels[0] == 0.0
+    count = len(bpy.data.images)
+    measurement.keep(copy, ["c.csv"], [(Fit, pictures(0))])
+    assert len(bpy.data.images) == count
