@@ -66,6 +66,11 @@ AREAS = {
         "Full radiance (Fresnel, G, cosines) of lights that have a size against adaptive quadrature, in % of the profile's peak; "
         "highlights smaller than a pixel; surroundings as rows of taps. Levels: slices of the lobe, fine ones cut where G bends.",
     ),
+    "capture": (
+        "Photographs",
+        "Maps from photographs under many known lights: errors over simulated stacks (directions known to 0.5°, 1 % noise "
+        "at full scale, 12 bits), what is flagged, how often the 1-σ intervals hold the truth, times, and a run from files.",
+    ),
 }
 
 
