@@ -177,6 +177,7 @@ def test_an_unreadable_spectrum_is_a_sentence(tmp_path):
     assert material.togishi.node_spectrum == before
 
 
+@pytest.mark.filterwarnings("ignore:.*blend relative")
 def test_paths_beside_the_file(tmp_path):
     material = add_katana().active_material
     map_images.assign(
