@@ -27,7 +27,8 @@ SurfaceView empty_view(const Camera& camera) {
 
 glm::dvec2 pixel_centre(const Camera& camera, std::size_t i) {
     const auto w = static_cast<std::size_t>(camera.width_px);
-    return {static_cast<double>(i % w) + 0.5, static_cast<double>(i / w) + 0.5};
+    const std::size_t row = i / w;
+    return {static_cast<double>(i - row * w) + 0.5, static_cast<double>(row) + 0.5};
 }
 
 struct Triangle {

@@ -297,8 +297,8 @@ void check_areas(const std::vector<ReferenceArea>& references, std::size_t width
                  std::size_t height) {
     for (const ReferenceArea& area : references) {
         if (area.x < 0 || area.y < 0 || area.width < 1 || area.height < 1 ||
-            static_cast<std::size_t>(area.x + area.width) > width ||
-            static_cast<std::size_t>(area.y + area.height) > height) {
+            static_cast<std::size_t>(area.x) + static_cast<std::size_t>(area.width) > width ||
+            static_cast<std::size_t>(area.y) + static_cast<std::size_t>(area.height) > height) {
             throw InputError("reference", "box_px",
                              std::to_string(area.x) + ", " + std::to_string(area.y) + ", " +
                                  std::to_string(area.width) + ", " + std::to_string(area.height),
