@@ -136,15 +136,13 @@ void LightStack::correct(const glm::dvec3& normal, const std::vector<glm::dvec2>
         const auto g = f64::light_geometry(frame.normal, frame.tangent, frame.bitangent,
                                            options_.view, light.direction);
         if (g.lit < 0.5) continue;
-        const glm::dvec2 uv =
-            glm::dvec2(g.facet.dx, g.facet.dy) + offset_deg.at(i) / deg_per_rad;
+        const glm::dvec2 uv = glm::dvec2(g.facet.dx, g.facet.dy) + offset_deg.at(i) / deg_per_rad;
         const double phi = glm::length(uv);
         const glm::dvec3 half =
-            phi > 0 ? std::cos(phi) * frame.normal + std::sin(phi) / phi * (uv.x * frame.tangent +
-                                                                            uv.y * frame.bitangent)
+            phi > 0 ? std::cos(phi) * frame.normal +
+                          std::sin(phi) / phi * (uv.x * frame.tangent + uv.y * frame.bitangent)
                     : frame.normal;
-        light.direction =
-            glm::normalize(2 * glm::dot(half, options_.view) * half - options_.view);
+        light.direction = glm::normalize(2 * glm::dot(half, options_.view) * half - options_.view);
         light.position_mm = glm::length(light.position_mm) * light.direction;
     }
 }
