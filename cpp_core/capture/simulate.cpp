@@ -255,11 +255,11 @@ std::vector<double> card_radiance(const SurfaceView& view, const Illumination& i
 void blur_picture(std::vector<double>& picture, int width, int height, double sigma_px) {
     if (!(sigma_px > 0)) return;
     const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma_px)));
-    std::vector<double> weight(static_cast<std::size_t>(2 * radius + 1));
+    std::vector<double> weight(2 * static_cast<std::size_t>(radius) + 1);
     double sum = 0;
-    for (int k = -radius; k <= radius; ++k) {
-        const double x = k / sigma_px;
-        sum += weight[static_cast<std::size_t>(k + radius)] = std::exp(-0.5 * x * x);
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+        const double x = (static_cast<double>(i) - radius) / sigma_px;
+        sum += weight[i] = std::exp(-0.5 * x * x);
     }
     for (double& v : weight) v /= sum;
     std::vector<double> turned(picture.size());
@@ -268,11 +268,11 @@ void blur_picture(std::vector<double>& picture, int width, int height, double si
         for (int y = 0; y < h; ++y) {
             for (int x = 0; x < w; ++x) {
                 double v = 0;
-                for (int k = -radius; k <= radius; ++k) {
-                    const int at = std::clamp(x + k, 0, w - 1);
-                    v += weight[static_cast<std::size_t>(k + radius)] *
-                         from[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                              static_cast<std::size_t>(at)];
+                int beside = x - radius;
+                for (const double share : weight) {
+                    const int at = std::clamp(beside++, 0, w - 1);
+                    v += share * from[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                                      static_cast<std::size_t>(at)];
                 }
                 to[static_cast<std::size_t>(x) * static_cast<std::size_t>(h) +
                    static_cast<std::size_t>(y)] = v;

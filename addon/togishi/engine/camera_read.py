@@ -22,18 +22,23 @@ class Region:
 
 def whole_size(render: bpy.types.RenderSettings) -> tuple[int, int]:
     """The picture's size with the resolution's percentage."""
-    scale = render.resolution_percentage / 100.0
-    return max(int(render.resolution_x * scale), 1), max(int(render.resolution_y * scale), 1)
+    share = render.resolution_percentage
+    return max(render.resolution_x * share // 100, 1), max(render.resolution_y * share // 100, 1)
 
 
 def border_region(render: bpy.types.RenderSettings, size: tuple[int, int]) -> Region:
     """What is rendered: all, or the border."""
     if not render.use_border:
         return Region(0, 0, *size)
-    left = int(np.clip(render.border_min_x * size[0], 0, size[0] - 1))
-    bottom = int(np.clip(render.border_min_y * size[1], 0, size[1] - 1))
-    right = int(np.clip(render.border_max_x * size[0], left + 1, size[0]))
-    top = int(np.clip(render.border_max_y * size[1], bottom + 1, size[1]))
+
+    def edge(share: float, pixels: int, low: int, high: int) -> int:
+        # In single precision, as Blender does: its result refuses a picture of another size.
+        return min(max(int(np.float32(share) * np.float32(pixels)), low), high)
+
+    left = edge(render.border_min_x, size[0], 0, size[0] - 1)
+    bottom = edge(render.border_min_y, size[1], 0, size[1] - 1)
+    right = edge(render.border_max_x, size[0], left + 1, size[0])
+    top = edge(render.border_max_y, size[1], bottom + 1, size[1])
     return Region(left, bottom, right - left, top - bottom)
 
 

@@ -7,7 +7,7 @@ import bpy
 from .. import graphics
 from ..core import native
 from ..core.scene_data import SceneData
-from .camera_read import border_region, region_camera, render_camera, whole_size
+from .camera_read import Region, border_region, region_camera, render_camera, whole_size
 from .final_render import render_final
 from .programs import ShaderError
 from .renderer import Gathering, Renderer, lod_bias_of
@@ -83,17 +83,19 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
                 part=want_part,
                 progress=self._progress,
             )
+            self._tell(renderer.problems)
+            if picture is not None:
+                self._hand_over(picture, region, layer.name)
         except (ShaderError, native.CoreMissingError, ValueError) as error:
             self._fail(str(error))
             return
         except Exception as error:
             self._fail(f"The engine Togishi failed: {error!r}; the console says where.")
             raise
-        self._tell(renderer.problems)
-        if picture is None:
-            return
+
+    def _hand_over(self, picture: FinalPicture, region: Region, layer: str) -> None:
         # Counted from the border's corner, whether the picture is cropped to it or not.
-        result = self.begin_result(0, 0, region.width, region.height, layer=layer.name)
+        result = self.begin_result(0, 0, region.width, region.height, layer=layer)
         passes = result.layers[0].passes
         for name, values in (
             ("Combined", picture.colour),

@@ -42,7 +42,7 @@ class TOGISHI_PT_view_measurement(bpy.types.Panel):
         if not len(kept.fits):
             return
         layout.label(text=kept.title, icon="FILE_TICK")
-        blade = blade_object.find_blade(context)
+        material = blade_object.edited_material(context)
         labels = {name: label for name, label, _constant in properties.LOBE_PARTS}
         for index, fit in enumerate(kept.fits):
             layout.separator()
@@ -53,10 +53,10 @@ class TOGISHI_PT_view_measurement(bpy.types.Panel):
             for plot, text in (("scans", "Scans"), ("mu_eff", "Half Width")):
                 show = row.operator("scene.togishi_measurement_show", text=text, icon="IMAGE_DATA")
                 show.index, show.plot = index, plot
-            if blade_object.blade_material(blade) is None:
+            if material is None:
                 continue
             column = layout.column(align=True)
-            column.label(text=f"Apply to {blade.name}:")
+            column.label(text=f"Apply to {material.name}:")
             for part in TARGETS[model][0]:
                 apply = column.operator("scene.togishi_measurement_apply", text=labels[part])
                 apply.index, apply.part = index, part

@@ -45,13 +45,10 @@ class _BladePanel(_ViewPanel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return (
-            not native.problem()
-            and blade_object.blade_material(blade_object.find_blade(context)) is not None
-        )
+        return not native.problem() and blade_object.edited_material(context) is not None
 
     def material(self, context: bpy.types.Context) -> bpy.types.Material:
-        material = blade_object.blade_material(blade_object.find_blade(context))
+        material = blade_object.edited_material(context)
         assert material is not None
         return material
 
