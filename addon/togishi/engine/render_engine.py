@@ -8,7 +8,7 @@ from .. import graphics
 from ..core import native
 from ..core.scene_data import SceneData
 from .camera_read import Region, border_region, region_camera, render_camera, whole_size
-from .final_render import render_final
+from .final_render import FinalPicture, render_final
 from .programs import ShaderError
 from .renderer import Gathering, Renderer, lod_bias_of
 from .scene_sync import SceneSync
