@@ -11,6 +11,7 @@ from test_engine_blender import add_camera, add_light, scene  # noqa: F401
 from togishi import blender_versions
 from togishi.engine.camera_read import border_region, whole_size
 from togishi.engine.light_read import read_light
+from togishi.engine.scene_sync import SceneSync
 
 pytestmark = pytest.mark.gpu
 
@@ -40,3 +41,46 @@ def test_percentage_in_whole_numbers(empty_file):
         render.resolution_percentage = percentage
         expected = max(pixels * percentage // 100, 1)
         assert whole_size(render) == (expected, expected)
+
+
+@pytest.mark.parametrize("kind", ["text", "metaball", "surface", "curve"])
+def test_surfaces_are_drawn_once(empty_file, kind):
+    if kind == "text":
+        bpy.ops.object.text_add()
+    elif kind == "metaball":
+        bpy.ops.object.metaball_add()
+    elif kind == "surface":
+        bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    else:
+        bpy.ops.curve.primitive_bezier_circle_add()
+        bpy.context.object.data.bevel_depth = 0.1
+    sync = SceneSync()
+    assert len(sync.update(bpy.context.evaluated_depsgraph_get()).instances) == 1
+
+
+@pytest.mark.parametrize("subdivided", [False, True])
+def test_mesh_in_edit_mode_is_drawn(empty_file, subdivided):
+    bpy.ops.mesh.primitive_cube_add()
+    if subdivided:
+        bpy.context.object.modifiers.new("subdivision", "SUBSURF")
+    bpy.ops.object.mode_set(mode="EDIT")
+    try:
+        data = SceneSync().update(bpy.context.evaluated_depsgraph_get())
+        assert len(data.instances) == 1
+        assert data.meshes[data.instances[0].mesh].groups
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+@pytest.mark.parametrize(
+    ("shape", "area"),
+    [("SQUARE", 4.0), ("RECTANGLE", 6.0), ("DISK", math.pi), ("ELLIPSE", 1.5 * math.pi)],
+)
+def test_area_lamp_without_normalize(empty_file, shape, area):
+    lamp = bpy.data.lights.new("lamp", "AREA")
+    if not hasattr(lamp, "normalize"):
+        pytest.skip("this version's lamps are always normalised")
+    lamp.shape, lamp.size, lamp.size_y, lamp.energy = shape, 2.0, 3.0, 5.0
+    lamp.normalize = False
+    assert not blender_versions.light_is_normalised(lamp)
+    assert read_light(lamp, np.eye(4))[0].power == pytest.approx(5.0 * area)

@@ -11,6 +11,12 @@ from .. import blender_versions, properties
 from ..core.scene_data import Light, LightKind, World
 
 
+def _area_m2(light: bpy.types.AreaLight) -> float:
+    other = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    part = 0.25 * math.pi if light.shape in {"DISK", "ELLIPSE"} else 1.0
+    return part * float(light.size) * float(other)
+
+
 def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
     """The lamp, and a note for the user ("" where nothing needs saying). matrix: (4, 4) to world.
 
@@ -31,6 +37,8 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
         # The number is then per area of the lamp: of a sphere's surface, of the sun's disc seen from here.
         if kind is LightKind.SUN:
             power *= math.pi * math.sin(0.5 * float(light.angle)) ** 2
+        elif light.type == "AREA":
+            power *= _area_m2(light)
         else:
             radius = float(getattr(light, "shadow_soft_size", 0.0))
             power *= 4.0 * math.pi * radius * radius

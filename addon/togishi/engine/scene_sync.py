@@ -23,8 +23,8 @@ from .light_read import read_light, read_world
 from .material_read import read_plain
 from .mesh_read import read_mesh
 
-_SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _NO_MATERIAL = "no material"
+_GENERATED = "generated "  # keys of meshes that no data-block stands for
 
 
 def matrix_array(matrix: object) -> np.ndarray:
@@ -96,6 +96,7 @@ class SceneSync:
     ) -> SceneData:
         self._light_objects, self._instanced_lights = [], False
         self._light_notes, self._other_notes = [], []
+        self._meshes = {k: v for k, v in self._meshes.items() if not k.startswith(_GENERATED)}
         lights: list[Light] = []
         instances: list[Instance] = []
         meshes: dict[str, MeshData] = {}
@@ -120,7 +121,8 @@ class SceneSync:
                 lights.append(light)
                 if note:
                     self._light_notes.append(note)
-            elif obj.type in _SURFACES:
+            elif obj.type == "MESH":
+                # Curves, texts, surfaces and metaballs come a second time, as instances of their meshes.
                 keys = self._object_materials(obj, materials)
                 key, mesh = self._mesh(obj, item.is_instance, keys)
                 if mesh is not None and mesh.groups:
@@ -252,14 +254,13 @@ class SceneSync:
             and original.mode == "OBJECT"
             and data.shape_keys is None
             and original.data is not None
+            and not original.data.is_editmode
         )
         if shared:
             key = f"mesh {original.data.session_uid} {sorted(blade_slots)}"
-        elif is_instance:
-            # Geometry made by nodes has no identifier of its own; it lives as long as the evaluated data.
-            key = (
-                f"instance {original.session_uid} {data.name if data else ''} {sorted(blade_slots)}"
-            )
+        elif is_instance and not (data.is_evaluated and data.original == original.data):
+            # Geometry made by nodes has no identifier of its own; its address is one during this reading only.
+            key = f"{_GENERATED}{data.as_pointer()} {sorted(blade_slots)}"
         else:
             key = f"object {original.session_uid}"
         known = self._meshes.get(key)
@@ -273,8 +274,10 @@ class SceneSync:
 
     @staticmethod
     def _read_geometry(obj: bpy.types.Object, blade_slots: frozenset[int]) -> MeshData | None:
-        if obj.type == "MESH":
+        original = obj.original.data
+        if not (isinstance(original, bpy.types.Mesh) and original.is_editmode):
             return read_mesh(obj.data, blade_slots)
+        # In Edit Mode the evaluated mesh may be a wrapper without vertices.
         mesh = obj.to_mesh()
         if mesh is None:
             return None
