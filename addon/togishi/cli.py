@@ -147,25 +147,38 @@ def _suffix(scene: bpy.types.Scene, options: RenderOptions) -> str:
     return suffix
 
 
+_stopped = False  # Blender swallows what a handler raises inside an engine; the flag stays
+
+
 @contextmanager
 def _terminable() -> Iterator[None]:
     """SIGTERM, as farms send it, ends like Ctrl-C: temporary files are removed on the way out."""
 
     def stop(_number: int, _frame: FrameType | None) -> None:
+        global _stopped
+        _stopped = True
         raise KeyboardInterrupt
 
-    previous = signal.signal(signal.SIGTERM, stop)
+    global _stopped
+    _stopped = False
+    previous = {number: signal.signal(number, stop) for number in (signal.SIGTERM, signal.SIGINT)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, previous)
+        for number, handler in previous.items():
+            if handler is not None:  # None: not installed by Python
+                signal.signal(number, handler)
 
 
 def _render_frame(scene: bpy.types.Scene, frame: int, path: Path) -> None:
     """Raises RuntimeError where the engine fails and UsageError where the picture cannot be saved; `path` is then
     as it was."""
     scene.frame_set(frame)
-    result = bpy.ops.render.render(scene=scene.name, write_still=False)
+    try:
+        result = bpy.ops.render.render(scene=scene.name, write_still=False)
+    finally:
+        if _stopped:
+            raise KeyboardInterrupt
     if "FINISHED" not in result:
         raise RuntimeError("the render was cancelled")
     image = next((i for i in bpy.data.images if i.type == "RENDER_RESULT"), None)

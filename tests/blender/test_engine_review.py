@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+import signal
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from test_engine_blender import add_camera, add_light, scene  # noqa: F401
-from togishi import blender_versions
+from togishi import blender_versions, cli
 from togishi.engine.camera_read import border_region, whole_size
 from togishi.engine.light_read import read_light
+from togishi.engine.render_engine import TogishiRenderEngine, _Viewport
 from togishi.engine.scene_sync import SceneSync
 
 pytestmark = pytest.mark.gpu
@@ -84,3 +87,39 @@ def test_area_lamp_without_normalize(empty_file, shape, area):
     lamp.normalize = False
     assert not blender_versions.light_is_normalised(lamp)
     assert read_light(lamp, np.eye(4))[0].power == pytest.approx(5.0 * area)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_signal_inside_an_engine_stops_the_command(empty_file, monkeypatch, tmp_path, number):
+    """Blender swallows the exception; nothing may be saved afterwards."""
+
+    def render(**_options):
+        try:
+            signal.raise_signal(number)
+        except KeyboardInterrupt:
+            return {"FINISHED"}
+        raise AssertionError("no signal came")
+
+    monkeypatch.setattr(
+        cli, "bpy", SimpleNamespace(ops=SimpleNamespace(render=SimpleNamespace(render=render)))
+    )
+    path = tmp_path / "picture.png"
+    with pytest.raises(KeyboardInterrupt), cli._terminable():
+        cli._render_frame(empty_file, 1, path)
+    assert not path.exists()
+
+
+def test_viewport_says_what_failed(monkeypatch, capsys):
+    """An error while reading is shown, and printed with its place."""
+
+    def fail(*_arguments):
+        raise RuntimeError("no memory")
+
+    monkeypatch.setattr(SceneSync, "update", fail)
+    shown = []
+    engine = SimpleNamespace(_viewport=_Viewport(), update_stats=lambda *texts: shown.append(texts))
+    engine._show = lambda error: TogishiRenderEngine._show(engine, error)
+    TogishiRenderEngine.view_update(engine, SimpleNamespace(space_data=None), None)
+    assert "The engine Togishi failed" in shown[0][1]
+    assert "no memory" in capsys.readouterr().err
+    assert engine._viewport is None

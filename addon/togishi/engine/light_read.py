@@ -38,7 +38,7 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
         if kind is LightKind.SUN:
             power *= math.pi * math.sin(0.5 * float(light.angle)) ** 2
         elif light.type == "AREA":
-            power *= _area_m2(light)
+            power *= _area_m2(light) * float(scales[0] * scales[1])
         else:
             radius = float(getattr(light, "shadow_soft_size", 0.0))
             power *= 4.0 * math.pi * radius * radius

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import traceback
+
 import bpy
 
 from .. import graphics
@@ -127,7 +129,11 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
             return
         if self._viewport is None:
             self._viewport = _Viewport()
-        self._viewport.scene = self._viewport.sync.update(depsgraph, context.space_data)
+        try:
+            self._viewport.scene = self._viewport.sync.update(depsgraph, context.space_data)
+        except Exception as error:
+            self._viewport = None  # half of an update is read; the next begins anew
+            self._show(error)
 
     def view_draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         reason = native.problem() or graphics.problem()
@@ -137,14 +143,25 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         if self._viewport is None or self._viewport.scene is None:
             self.view_update(context, depsgraph)
         view = self._viewport
-        assert view is not None and view.scene is not None
+        if view is None or view.scene is None:
+            return  # view_update said why
         try:
             self._draw(context, depsgraph, view, view.scene)
-        except (ShaderError, native.CoreMissingError, ValueError) as error:
-            self.update_stats("Togishi", str(error))
+        except Exception as error:
+            self._show(error)
             return
         notes = [*view.sync.messages, *view.renderer.problems]
         self.update_stats("Togishi", "  |  ".join(notes))
+
+    def _show(self, error: Exception) -> None:
+        """In the viewport's corner; what was not foreseen also with its place in the console."""
+        if isinstance(error, ShaderError | native.CoreMissingError | ValueError):
+            self.update_stats("Togishi", str(error))
+            return
+        traceback.print_exception(error)
+        self.update_stats(
+            "Togishi", f"The engine Togishi failed: {error!r}; the console says where."
+        )
 
     def _draw(
         self,
