@@ -13,6 +13,7 @@ from test_engine_blender import add_camera, add_light, scene  # noqa: F401
 from togishi import blender_versions, cli
 from togishi.engine.camera_read import border_region, whole_size
 from togishi.engine.light_read import read_light
+from togishi.engine.material_read import read_plain
 from togishi.engine.render_engine import TogishiRenderEngine, _Viewport
 from togishi.engine.scene_sync import SceneSync
 
@@ -123,3 +124,30 @@ def test_viewport_says_what_failed(monkeypatch, capsys):
     assert "The engine Togishi failed" in shown[0][1]
     assert "no memory" in capsys.readouterr().err
     assert engine._viewport is None
+
+
+def test_principled_behind_a_reroute_and_muted(empty_file):
+    material = bpy.data.materials.new("wood")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    reroute = tree.nodes.new("NodeReroute")
+    shader.inputs["Base Color"].default_value = (0.1, 0.2, 0.3, 1.0)
+    tree.links.new(shader.outputs[0], reroute.inputs[0])
+    tree.links.new(reroute.outputs[0], output.inputs["Surface"])
+    assert read_plain(material).albedo == pytest.approx((0.1, 0.2, 0.3))
+    shader.mute = True
+    assert read_plain(material).albedo == pytest.approx(tuple(material.diffuse_color[:3]))
+
+
+def test_lamp_that_appears_without_an_update_is_read(empty_file):
+    """A driver on "disable in viewports" tells nothing but an update of the lamps."""
+    lamp = add_light(empty_file)
+    lamp.hide_viewport = True
+    sync = SceneSync()
+    assert len(sync.update(bpy.context.evaluated_depsgraph_get()).lights) == 0
+    sync._forget_changed = lambda _depsgraph: True
+    lamp.hide_viewport = False
+    assert len(sync.update(bpy.context.evaluated_depsgraph_get()).lights) == 1

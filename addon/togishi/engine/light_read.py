@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import blender_versions, properties
 from ..core.scene_data import Light, LightKind, World
+from .node_links import feeding_node
 
 
 def _area_m2(light: bpy.types.AreaLight) -> float:
@@ -74,8 +75,7 @@ def read_world(world: bpy.types.World | None) -> tuple[World, str]:
     if world.use_nodes and world.node_tree is not None:
         output = world.node_tree.get_output_node("CYCLES") or world.node_tree.get_output_node("ALL")
     if output is not None:
-        links = output.inputs["Surface"].links
-        background = links[0].from_node if links else None
+        background = feeding_node(output.inputs["Surface"])
         if background is None:
             return World((0.0, 0.0, 0.0), spectrum), ""
         if background.type != "BACKGROUND":

@@ -8,6 +8,7 @@ import bpy
 
 from ..core.materials import gloss_ln_mu_deg
 from ..core.scene_data import PlainMaterial
+from .node_links import feeding_node
 
 DEFAULT = PlainMaterial(gloss_ln_mu_deg=gloss_ln_mu_deg(0.5))
 
@@ -27,8 +28,7 @@ def read_plain(material: bpy.types.Material | None) -> PlainMaterial:
         output = material.node_tree.get_output_node("CYCLES") or material.node_tree.get_output_node(
             "ALL"
         )
-        links = output.inputs["Surface"].links if output is not None else ()
-        surface = links[0].from_node if links else None
+        surface = feeding_node(output.inputs["Surface"]) if output is not None else None
     if surface is not None and surface.type in ("BSDF_PRINCIPLED", "BSDF_DIFFUSE"):
         principled = surface.type == "BSDF_PRINCIPLED"
         colour = surface.inputs["Base Color" if principled else "Color"].default_value

@@ -54,12 +54,23 @@ class SceneSync:
             self._scene = self._read_all(depsgraph, view3d)
         else:
             only_lights = self._forget_changed(depsgraph)
+            only_lights = only_lights and self._lamps(depsgraph, view3d) == set(self._light_objects)
             if only_lights and not self._instanced_lights:
                 self._scene = self._read_lights(depsgraph, view3d, self._scene)
             else:
                 self._scene = self._read_all(depsgraph, view3d)
         self.messages = [*self._other_notes, *self._light_notes]
         return self._scene
+
+    @staticmethod
+    def _lamps(depsgraph: bpy.types.Depsgraph, view3d: bpy.types.SpaceView3D | None) -> set[int]:
+        """Session uids of the lamps that are seen now: a driver switches one on without a word in the updates."""
+        return {
+            obj.original.session_uid
+            for obj in depsgraph.objects
+            if obj.type == "LIGHT"
+            and (view3d is None or obj.original.visible_in_viewport_get(view3d))
+        }
 
     # --- what changed ---------------------------------------------------------------------------
 
