@@ -151,3 +151,10 @@ def test_lamp_that_appears_without_an_update_is_read(empty_file):
     sync._forget_changed = lambda _depsgraph: True
     lamp.hide_viewport = False
     assert len(sync.update(bpy.context.evaluated_depsgraph_get()).lights) == 1
+
+
+def test_stereoscopy_is_refused(scene):  # noqa: F811
+    add_camera(scene)
+    scene.render.use_multiview = True
+    with pytest.raises(RuntimeError, match="stereoscopy"):
+        bpy.ops.render.render()

@@ -64,6 +64,11 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         if camera is None:
             self._fail(f"Scene {scene.name!r} has no camera.")
             return
+        if scene.render.use_multiview:
+            self._fail("Togishi renders no stereoscopy; switch it off in the output properties.")
+            return
+        if camera.type == "CAMERA" and camera.data.type == "PANO":
+            self._tell([f"Camera {camera.name!r} is panoramic; it is drawn as a perspective one."])
         layer = depsgraph.view_layer_eval
         want_depth = layer.use_pass_z or getattr(settings, "use_pass_depth", False)
         want_part = getattr(settings, "use_pass_part", False)
