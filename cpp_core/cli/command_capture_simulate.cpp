@@ -230,7 +230,7 @@ void run(Options o, const Common& common) {
     std::uint64_t frame = 0;
     const auto write = [&](const std::vector<double>& from, const SensorOptions& options,
                            const std::string& name) {
-        const std::string file = name + "." + o.format;
+        std::string file = name + "." + o.format;
         write_float_image(
             folder / file,
             grey_image(camera, expose(from, camera.width_px, camera.height_px, options, frame++)));
