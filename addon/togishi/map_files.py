@@ -1,5 +1,6 @@
-"""Maps in OpenEXR files: one file with channels named as togishi_core.MAP_CHANNELS, by the OpenImageIO that
-official Blender builds carry. Builds without it (Debian's) get two RGBA files through bpy.data.images."""
+"""Maps in OpenEXR files, as `togishi bake` writes them and `togishi info` reads them (cpp_core/image/map_file.hpp): named
+channels, tiles, all mip levels; by the OpenImageIO that official Blender builds carry. Builds without it (Debian's) get
+two RGBA files through bpy.data.images."""
 
 from __future__ import annotations
 
@@ -13,11 +14,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .core import atomic, map_channels
+from .core import atomic, map_channels, native
 from .core.map_channels import MapError
 
 F32 = NDArray[np.float32]
 MAX_TEXELS = 16384 * 16384
+TILE = 64
+FORMAT = 1
 
 
 def open_image_io() -> ModuleType | None:
@@ -44,26 +47,47 @@ def _pair(path: Path) -> tuple[Path, Path]:
     return path.with_suffix(".lobes.exr"), path.with_suffix(".shape.exr")
 
 
+def _spec(oiio: ModuleType, level: Mapping[str, F32], first: bool) -> object:
+    """The header of one mip level; what concerns the whole file goes into the first."""
+    height, width = map_channels.map_size(level)
+    spec = oiio.ImageSpec(width, height, len(level), "float")
+    spec.channelnames = tuple(level)
+    spec.tile_width = spec.tile_height = TILE
+    if first:
+        # OpenEXR's own numbers: mip levels, sizes rounded down.
+        spec.attribute("textureformat", "Plain Texture")
+        spec.attribute("openexr:levelmode", 1)
+        spec.attribute("openexr:roundingmode", 0)
+        spec.attribute("compression", "zip")
+        spec.attribute("oiio:ColorSpace", "Raw")
+        spec.attribute("togishi:format", FORMAT)
+        spec.attribute("togishi:source", "exported from Blender")
+        spec.attribute("Software", f"togishi {native.addon_version()}")
+        constant = [name for name, values in level.items() if values.shape != (height, width)]
+        if constant:
+            spec.attribute("togishi:constant", ",".join(constant))
+    return spec
+
+
 def save(maps: Mapping[str, F32], path: Path) -> list[Path]:
     """Write maps; returns the files. Rows in the file run downwards, as images do; v = 0 is the last row."""
-    height, width = map_channels.map_size(maps)
     oiio = open_image_io()
     if oiio is None:
         return _save_pair(maps, path)
-    names = list(maps)
-    pixels = np.empty((height, width, len(names)), np.float32)
-    for index, name in enumerate(names):
-        pixels[..., index] = maps[name]
-    spec = oiio.ImageSpec(width, height, len(names), "float")
-    spec.channelnames = tuple(names)
-    spec.attribute("compression", "zip")
-    spec.attribute("oiio:ColorSpace", "Raw")
+    levels = native.core().map_mip_levels(dict(maps))
     with atomic.replacing(path) as temporary:
         output = oiio.ImageOutput.create(str(temporary))
         if output is None:
             raise OSError(f"{path}: cannot write this kind of file: {oiio.geterror()}")
-        good = output.open(str(temporary), spec)
-        good = good and output.write_image(np.ascontiguousarray(pixels[::-1]))
+        good = True
+        for number, level in enumerate(levels):
+            height, width = map_channels.map_size(level)
+            pixels = np.empty((height, width, len(level)), np.float32)
+            for index, values in enumerate(level.values()):
+                pixels[..., index] = values
+            mode = "AppendMIPLevel" if number else "Create"
+            good = good and output.open(str(temporary), _spec(oiio, level, not number), mode)
+            good = good and output.write_image(np.ascontiguousarray(pixels[::-1]))
         error = output.geterror()
         if not (output.close() and good):
             raise OSError(f"{path}: {error or output.geterror()}")

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+from pathlib import Path
+
 import bpy
 import numpy as np
 import pytest
@@ -188,6 +193,23 @@ def test_maps_through_a_file(tmp_path):
     again = map_images.read(material)
     for name, values in maps.items():
         np.testing.assert_array_equal(again[name], values, err_msg=name)
+
+
+def test_exported_maps_are_what_the_command_reads(tmp_path):
+    """All mip levels, by covariance, in the file that `togishi info` knows."""
+    built = Path(__file__).resolve().parents[2] / "build/release/cpp_core/cli/togishi"
+    command = os.environ.get("TOGISHI_CLI", built)
+    rng = np.random.default_rng(1)
+    maps = {n: rng.random((96, 200), np.float32) for n in ("ji.ln_mu_deg", "ha.ln_mu_deg", "w")}
+    maps["h"] = np.full((1, 1), 0.25, np.float32)
+    (path,) = map_files.save(maps, tmp_path / "maps.exr")
+    done = subprocess.run([command, "info", str(path), "--json"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    facts = json.loads(done.stdout)
+    assert facts["size"] == [200, 96] and facts["levels"] == 8 and facts["checks"] == "passed"
+    assert sorted(facts["channels"]) == ["h (constant)", "ha.ln_mu_deg", "ji.ln_mu_deg", "w"]
+    again = map_files.load(path)
+    np.testing.assert_array_equal(again["w"], maps["w"])
 
 
 def test_maps_without_open_image_io(tmp_path, monkeypatch):
