@@ -89,6 +89,20 @@ def _set_samples(scene: bpy.types.Scene, samples: int) -> None:
         raise UsageError(f"--samples: not for the engine {engine}")
 
 
+def _objects(scene: bpy.types.Scene) -> set[bpy.types.Object]:
+    """The scene's own objects, and those of the collections that they stand for."""
+    found: set[bpy.types.Object] = set()
+    waiting = list(scene.objects)
+    while waiting:
+        obj = waiting.pop()
+        if obj in found:
+            continue
+        found.add(obj)
+        if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
+            waiting += obj.instance_collection.all_objects
+    return found
+
+
 def _check_inputs(scene: bpy.types.Scene) -> None:
     """Files that the render needs: missing ones would give pink or wrong pictures without a word."""
     problems = []
@@ -96,9 +110,14 @@ def _check_inputs(scene: bpy.types.Scene) -> None:
         path = Path(bpy.path.abspath(library.filepath))
         if not path.is_file():
             problems.append(f"linked library {library.name!r}: no such file: {path}")
-    for material in bpy.data.materials:
-        if material.users and properties.is_blade(material):
-            problems += map_images.missing(material)
+    # Of a material that only a fake user keeps nothing is drawn.
+    blades = [
+        material
+        for material in bpy.data.materials
+        if material.users > material.use_fake_user and properties.is_blade(material)
+    ]
+    for material in blades:
+        problems += map_images.missing(material)
     for image in bpy.data.images:
         if (
             image.users
@@ -116,17 +135,20 @@ def _check_inputs(scene: bpy.types.Scene) -> None:
                 problems.append(f"image {image.name!r}: {sentence}")
     if not native.problem():
         core = native.core()
-        specs = {
+        lights = {
             f"light {o.name!r}": properties.light_spectrum(o.data)
-            for o in scene.objects
+            for o in _objects(scene)
             if o.type == "LIGHT"
         }
-        specs["world"] = properties.world_spectrum(scene.world)
-        for owner, spec in specs.items():
-            try:
-                core.light_rgb(spec)
-            except core.InputError as error:
-                problems.append(f"{owner}: {error}")
+        lights["world"] = properties.world_spectrum(scene.world)
+        metals = {f"material {m.name!r}": properties.metal_spec(m) for m in blades}
+        reads = [(core.light_rgb, lights), (lambda metal: core.fresnel_table(metal, "E"), metals)]
+        for read, specs in reads:
+            for owner, spec in specs.items():
+                try:
+                    read(spec)
+                except core.InputError as error:
+                    problems.append(f"{owner}: {error}")
     if problems:
         raise UsageError("\n".join(problems))
 

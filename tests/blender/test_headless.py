@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from togishi import cli, map_images
+from togishi import cli, map_images, properties
 from togishi.core import headless
 from togishi.core.headless import UsageError
 from ui_fixtures import add_katana, addon, environment  # noqa: F401
@@ -189,6 +190,38 @@ def test_missing_spectrum_file(blend, tmp_path, capsys):
     assert "gone.csv" in capsys.readouterr().err
 
 
+def test_missing_files_of_instanced_lamps_and_of_metals(blend, tmp_path, capsys):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    light = bpy.data.lights.new("lamp", "POINT")
+    light.togishi.kind = "csv"
+    light.togishi.csv_path = str(tmp_path / "gone.csv")
+    rig = bpy.data.collections.new("rig")
+    rig.objects.link(bpy.data.objects.new("lamp", light))
+    stand_in = bpy.data.objects.new("rig", None)
+    stand_in.instance_type, stand_in.instance_collection = "COLLECTION", rig
+    bpy.context.scene.collection.objects.link(stand_in)
+    material = next(m for m in bpy.data.materials if m.togishi.is_blade)
+    name = material.name
+    material.togishi.metal = properties.FILE_CHOICE
+    material.togishi.metal_path = str(tmp_path / "no metal.csv")
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    assert cli.main(["render", str(blend), "-o", str(tmp_path / "x.png")]) == 2
+    error = capsys.readouterr().err
+    assert "light 'lamp'" in error and "gone.csv" in error
+    assert f"material {name!r}" in error and "no metal.csv" in error
+
+
+def test_materials_that_nothing_wears_are_not_checked(blend, tmp_path):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    kept = bpy.data.materials.new("kept for later")
+    kept.use_fake_user = True
+    kept.togishi.is_blade = True
+    kept.togishi.metal = properties.FILE_CHOICE
+    kept.togishi.metal_path = str(tmp_path / "no metal.csv")
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    assert cli.main(["render", str(blend), "-o", str(tmp_path / "x.png")]) == 0
+
+
 def test_a_failed_write_leaves_the_old_picture(blend, tmp_path, monkeypatch, capsys):
     out = tmp_path / "keep.png"
     out.write_bytes(b"previous")
@@ -223,3 +256,24 @@ def test_as_a_process(blend, tmp_path):
     )
     assert bad.returncode == 2
     assert "--wings" in bad.stderr
+
+
+def test_a_stopped_process_says_so_and_leaves_whole_pictures(blend, tmp_path):
+    """SIGTERM, as farms send it, in the middle of a frame."""
+    out = tmp_path / "frames" / "f_####.png"
+    command = [sys.executable, "-m", "togishi", "render", str(blend), "-o", str(out)]
+    command += ["-f", "1-5000", "-s", "64"]
+    with subprocess.Popen(
+        command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None and process.stderr is not None
+        for line in process.stdout:
+            if line.startswith("Saved:"):
+                break
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=90)
+    assert process.returncode == 130, errors
+    assert errors.rstrip().endswith("togishi: stopped")
+    written = sorted(out.parent.iterdir())
+    assert written and all(path.name.startswith("f_") for path in written)
+    assert all(path.read_bytes().endswith(b"IEND\xaeB`\x82") for path in written)

@@ -347,6 +347,18 @@ def test_metal_file_without_n_and_k_is_refused_and_iron_is_drawn(
     )
 
 
+def test_a_repaired_metal_file_applies_at_the_next_picture(scenes, renderer, camera, tmp_path):
+    metal = metal_file(tmp_path / "repaired.csv", 0.0, 0.0)
+    iron, lights = scenes.isotropic_blade(20.0), (sun(towards(40.0)),)
+    scene = scenes.scene_of(plate((0, 0, 1)), of_metal(iron, metal), lights)
+    as_iron = colours(renderer, scene, camera)
+    assert list(renderer.tables.problems) == [metal]
+    metal_file(tmp_path / "repaired.csv", 0.05, 30.0)
+    as_mirror = colours(renderer, scene, camera)
+    assert not renderer.tables.problems
+    assert as_mirror.max() > 1.3 * as_iron.max()
+
+
 @pytest.mark.parametrize(("n", "k"), [(1e-6, 0.0), (0.0, 1e-6), (0.0, 3.0)])
 def test_metal_of_almost_no_n_and_k_reflects_all(scenes, renderer, camera, tmp_path, n, k):
     """F = 1 at every angle: the room is mirrored as it is."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -14,16 +15,50 @@ from .shader_source import TABLE_SIZE
 # temperature makes a new spectrum at every step.
 _KEPT = 256
 
+Stamp = tuple[int, int] | None  # time of change in ns and size of a file; None: it is not there
+
+
+def _file_of(name: str) -> Path | None:
+    """The user's file behind a spectrum or a metal; None for built-in ones."""
+    path = name.removeprefix("csv:")
+    return Path(path) if path != name or "/" in name or "\\" in name else None
+
+
+def _stamp(file: Path) -> Stamp:
+    try:
+        status = file.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
+
 
 class Tables:
     """Fresnel rows by (metal, light, colour settings), and the plain rows that are the light's RGB."""
 
     def __init__(self) -> None:
         self._rows: dict[tuple[str, str, ColourSettings], F32] = {}
+        self._stamps: dict[str, Stamp] = {}
         self.baked = 0
+        self.version = 0  # rises when rows were forgotten
         self.problems: dict[
             str, str
         ] = {}  # spectrum or metal -> why it was replaced by D65 or the default iron
+
+    def refresh(self) -> None:
+        """Forget what was made from files that have changed since: a spectrum that was repaired applies at the next
+        picture."""
+        changed = {
+            name
+            for name, stamp in self._stamps.items()
+            if (file := _file_of(name)) is not None and _stamp(file) != stamp
+        }
+        if not changed:
+            return
+        self._rows = {k: row for k, row in self._rows.items() if not changed & {k[0], k[1]}}
+        for name in changed:
+            del self._stamps[name]
+            self.problems.pop(name, None)
+        self.version += 1
 
     def rows(self, metal: str, spectra: Sequence[str], colour: ColourSettings) -> list[F32]:
         """(TABLE_SIZE, 3) for each spectrum. metal "": rows of the light itself."""
@@ -38,6 +73,10 @@ class Tables:
         key = (metal, spectrum, colour)
         row = self._rows.get(key)
         if row is None:
+            for name in (metal, spectrum):
+                # Before the file is read: a change in between is then seen.
+                if name not in self._stamps and (file := _file_of(name)) is not None:
+                    self._stamps[name] = _stamp(file)
             row = self._bake(metal, spectrum, colour)
             while len(self._rows) >= _KEPT:
                 del self._rows[next(iter(self._rows))]

@@ -526,7 +526,7 @@ class Renderer:
     def _table(self, metal: str, scene: SceneData, index: int) -> Block:
         block = self._block("table", index, metal)
         spectra = self._passes[index].spectra
-        tag = (spectra, scene.colour)
+        tag = (spectra, scene.colour, self.tables.version)
         if block.tag != tag:
             self._set(block, packing.table_block(self.tables.rows(metal, spectra, scene.colour)))
             block.tag = tag
@@ -553,7 +553,8 @@ class Renderer:
         self, scene: SceneData, output_max: float, bench_61: bool = False, every_lamp: bool = False
     ) -> None:
         """Upload what is new and list what is drawn, unless this very scene was drawn last."""
-        prepared = (scene, output_max, bench_61, every_lamp)
+        self.tables.refresh()
+        prepared = (scene, output_max, bench_61, every_lamp, self.tables.version)
         if self._prepared == prepared:
             return
         self._upload(scene)
