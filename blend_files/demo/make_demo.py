@@ -275,7 +275,7 @@ class Demo:
             [sys.executable, str(ROOT / "blend_files" / "light_sweep.py"), str(blend)],
             [
                 *(sys.executable, "-m", "togishi", "render", str(blend)),
-                *("-o", str(folder / "####.png"), "-f", f"1-{SWEEP_FRAMES}", "--samples", "8"),
+                *("-o", str(folder / "####.png"), "-f", f"1-{SWEEP_FRAMES}", "--samples", "6"),
                 *("--resolution", f"{SWEEP_SIZE[0]}x{SWEEP_SIZE[1]}"),
             ],
             [
