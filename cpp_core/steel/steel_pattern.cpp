@@ -106,23 +106,26 @@ class Sampler {
 
         const HadaSample hada = hada_.at(x, y, footprint_x, footprint_y);
         const float strength = hada_at_full_strength * static_cast<float>(p_.hada_strength);
-        const f32::Lobe* polish = &ji_;
+        // Lines that run aslant over the texels are blended in, or they would show as stair steps.
+        f32::Lobe polish = ji_;
         float hada_share = 1.0F;
-        if (on_mune) {
-            polish = &mune_;
-            hada_share = 0.35F;
-        } else if (on_shinogi_ji) {
-            polish = &shinogi_ji_;
-            hada_share = 0.5F;
-        } else if (in_kissaki) {
-            polish = &kissaki_;
-            hada_share = 0.5F;
-        }
+        const auto lay_on = [&](const f32::Lobe& other, float hada_of_other, double inside_mm,
+                                float footprint_mm) {
+            const float share = covered(inside_mm, footprint_mm);
+            polish.ln_mu_deg += share * (other.ln_mu_deg - polish.ln_mu_deg);
+            polish.e1 += share * (other.e1 - polish.e1);
+            polish.e2 += share * (other.e2 - polish.e2);
+            hada_share += share * (hada_of_other - hada_share);
+        };
+        if (outline_.has_yokote()) lay_on(kissaki_, 0.5F, s - outline_.kissaki_s(), footprint_x);
+        if (outline_.shinogi(s) > outline_.mune(s))
+            lay_on(shinogi_ji_, 0.5F, outline_.shinogi(s) - r, footprint_y);
+        lay_on(mune_, 0.35F, outline_.mune(s) - r, footprint_y);
         const float wander =
             stroke_wander_rad(x, y, p_.stroke_wander_deg, footprint_x, footprint_y, seed_ + 31U);
         const float turn =
             wander + 0.04F * static_cast<float>(p_.hada_strength) * hada_share * hada.tone;
-        set_ji(out, turned(*polish, turn));
+        set_ji(out, turned(polish, turn));
         out[ji_ln] += strength * hada_share * hada.tone;
 
         const Side& side = sides_[point.omote ? 0 : 1];
@@ -147,6 +150,11 @@ class Sampler {
     }
 
   private:
+    /// Share of a sample on the inner side of a line that passes `inside_mm` from its middle.
+    static float covered(double inside_mm, float footprint_mm) {
+        return std::clamp(static_cast<float>(inside_mm) / footprint_mm + 0.5F, 0.0F, 1.0F);
+    }
+
     static std::vector<Side> make_sides(const SteelOutline& outline, const SteelParameters& p,
                                         unsigned threads) {
         std::array<std::optional<Side>, 2> made;

@@ -264,6 +264,44 @@ TEST(SteelPattern, StrengthsOfZeroLeaveThePartsPlain) {
     EXPECT_GT(plain, of * 9 / 10);  // the rest are texels across the ji's borders
 }
 
+TEST(SteelPattern, TheShinogiRunsAslantOverTheTexelsWithoutSteps) {
+    SteelParameters p;
+    p.hada_strength = 0;
+    p.stroke_wander_deg = 0;
+    p.utsuri = 0;
+    constexpr std::size_t width = 600, height = 512;
+    const PropertyMaps map = maps(p, width, height);
+    const BladeFrame& frame = short_frame();
+    const double texel_mm = frame.chart_height_mm / height;
+    const Material material = default_material();
+    const auto ln = [](const MaterialLobe& lobe) {
+        return 0.5 * std::log(lobe.mu_t_deg * lobe.mu_b_deg);
+    };
+    const double middle = 0.5 * (ln(material.ji) + ln(material.shinogi_ji));
+    std::size_t columns = 0;
+    double worst = 0;
+    for (std::size_t x = 0; x < width; ++x) {
+        const double u = (static_cast<double>(x) + 0.5) / width;
+        for (std::size_t y = 0; y + 1 < height; ++y) {
+            const double v = (static_cast<double>(y) + 0.5) / height;
+            const ChartPoint here = frame.locate(u, v);
+            const ChartPoint above = frame.locate(u, v + 1.0 / height);
+            if (here.s_mm < 5 || here.s_mm > 150 || here.omote != above.omote) continue;
+            const double line = frame.at(frame.shinogi_mm, here.s_mm);
+            const double d0 = here.from_ridge_mm - line, d1 = above.from_ridge_mm - line;
+            if ((d0 < 0) == (d1 < 0)) continue;
+            // Where a picture that is filtered linearly shows the border.
+            const double a = map.at(MapChannel::ji_ln_mu_deg, x, y) - middle;
+            const double b = map.at(MapChannel::ji_ln_mu_deg, x, y + 1) - middle;
+            ASSERT_LT(a * b, 0) << x << " " << y;
+            worst = std::max(worst, std::abs(d0 + (d1 - d0) * a / (a - b)) / texel_mm);
+            ++columns;
+        }
+    }
+    EXPECT_GT(columns, 500U);
+    EXPECT_LT(worst, 0.1);  // 0.5 where each texel belongs to one part alone
+}
+
 TEST(SteelPattern, RefusesWhatIsOutOfRange) {
     for (const SteelNumberField& field : steel_number_fields()) {
         for (const double bad : {field.low - 1.0, field.high + 1.0, std::nan(""), HUGE_VAL}) {
