@@ -20,13 +20,18 @@ namespace {
 constexpr int nodes = 13;
 constexpr double node_range = 1.2;
 constexpr double node_step = 2 * node_range / (nodes - 1);
-constexpr int no_parameters = 3;  // w, s_ji, s_ha
-using Vector = Eigen::Matrix<double, no_parameters, 1>;
-using Matrix = Eigen::Matrix<double, no_parameters, no_parameters>;
+/// Parameters: w, ln mu of ji and ha; with hadori also its share of the rest and its ln mu.
+enum Parameter : int { at_w, at_ji, at_ha, at_h, at_hadori, most_parameters };
+constexpr int without_hadori = at_h;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_parameters, 1>;
+using Matrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
+/// One over the variance of a share of which nothing is known but that it lies in [0, 1].
+constexpr double share_information = 12;
 
-/// Radiances of both lobes over ln mu, for one photograph at one pixel.
+/// Radiances of the lobes over ln mu, for one photograph at one pixel.
 struct Curves {
-    std::array<float, nodes> f{}, t{};
+    std::array<float, nodes> ji{}, ha{}, hadori{};
 };
 
 struct Sample {
@@ -53,79 +58,86 @@ struct Reading {
 // One pixel's problem.
 class Pixel {
   public:
-    Pixel(const std::vector<Curves>& curves, const std::vector<Reading>& readings, double spread)
-        : curves_(curves), readings_(readings), spread_(spread) {}
+    Pixel(const std::vector<Curves>& curves, const std::vector<Reading>& readings, double spread,
+          bool hadori)
+        : curves_(curves),
+          readings_(readings),
+          prior_(1 / (spread * spread)),
+          size_(hadori ? most_parameters : without_hadori) {}
 
     struct Linear {
         double chi2 = 0;
-        Matrix information = Matrix::Zero();  // without the prior
-        Vector gradient = Vector::Zero();
+        Matrix information;  // without the prior
+        Vector gradient;
     };
+    [[nodiscard]] int size() const { return size_; }
+    [[nodiscard]] bool hadori() const { return size_ > without_hadori; }
+    [[nodiscard]] Vector none() const { return Vector::Zero(size_); }
+    [[nodiscard]] static bool is_share(int k) { return k == at_w || k == at_h; }
+    [[nodiscard]] double prior() const { return prior_; }
+
     [[nodiscard]] Linear linearise(const Vector& x) const {
-        Linear out;
+        Linear out{0, Matrix::Zero(size_, size_), none()};
+        Vector j = none();
         for (std::size_t p = 0; p < readings_.size(); ++p) {
-            const Sample f = sample(curves_[p].f, x[1]), t = sample(curves_[p].t, x[2]);
             const double inverse = 1 / readings_[p].sigma;
-            const double r =
-                (readings_[p].radiance - (1 - x[0]) * f.value - x[0] * t.value) * inverse;
-            const Vector j =
-                Vector(t.value - f.value, (1 - x[0]) * f.slope, x[0] * t.slope) * inverse;
+            const double r = (readings_[p].radiance - modelled(p, x, &j)) * inverse;
+            j *= inverse;
             out.chi2 += r * r;
             out.information += j * j.transpose();
             out.gradient += j * r;
         }
         return out;
     }
-    [[nodiscard]] double prior(const Vector& x) const {
-        return (x[1] * x[1] + x[2] * x[2]) / (spread_ * spread_);
-    }
     [[nodiscard]] double cost(const Vector& x) const {
-        double sum = prior(x);
+        double sum = 0;
+        for (int k = 0; k < size_; ++k)
+            if (!is_share(k)) sum += prior_ * x[k] * x[k];
         for (std::size_t p = 0; p < readings_.size(); ++p) {
-            const double r =
-                (readings_[p].radiance - (1 - x[0]) * sample(curves_[p].f, x[1]).value -
-                 x[0] * sample(curves_[p].t, x[2]).value) /
-                readings_[p].sigma;
+            const double r = (readings_[p].radiance - modelled(p, x, nullptr)) / readings_[p].sigma;
             sum += r * r;
         }
         return sum;
     }
-    /// The best w in [0, 1] for given lobes.
-    [[nodiscard]] double best_w(double s_ji, double s_ha) const {
+    /// The best w in [0, 1] where the rest of x is given.
+    [[nodiscard]] double best_w(Vector x) const {
         double top = 0, bottom = 0;
         for (std::size_t p = 0; p < readings_.size(); ++p) {
-            const double f = sample(curves_[p].f, s_ji).value,
-                         d = sample(curves_[p].t, s_ha).value - f;
+            x[at_w] = 0;
+            const double rest = modelled(p, x, nullptr);
+            x[at_w] = 1;
+            const double d = modelled(p, x, nullptr) - rest;
             const double weight = 1 / (readings_[p].sigma * readings_[p].sigma);
-            top += weight * d * (readings_[p].radiance - f);
+            top += weight * d * (readings_[p].radiance - rest);
             bottom += weight * d * d;
         }
         return bottom > 0 ? std::clamp(top / bottom, 0.0, 1.0) : 0.5;
     }
-    /// Levenberg-Marquardt within 0 <= w <= 1 and the nodes' range.
+    /// Levenberg-Marquardt within shares of 0 to 1 and the nodes' range.
     [[nodiscard]] Vector refine(Vector x) const {
         double lambda = 1e-3, best = cost(x);
         for (int step = 0; step < 25; ++step) {
             Linear l = linearise(x);
-            const double inverse = 1 / (spread_ * spread_);
-            for (const int k : {1, 2}) {
-                l.information(k, k) += inverse;
-                l.gradient[k] -= inverse * x[k];
-            }
-            // A w that is held at its border takes no part.
-            const bool held = (x[0] <= 0 && l.gradient[0] < 0) || (x[0] >= 1 && l.gradient[0] > 0);
-            if (held) {
-                l.information.row(0).setZero();
-                l.information.col(0).setZero();
-                l.information(0, 0) = 1;
-                l.gradient[0] = 0;
+            for (int k = 0; k < size_; ++k) {
+                if (!is_share(k)) {
+                    l.information(k, k) += prior_;
+                    l.gradient[k] -= prior_ * x[k];
+                } else if ((x[k] <= 0 && l.gradient[k] < 0) || (x[k] >= 1 && l.gradient[k] > 0)) {
+                    // A share that is held at its border takes no part.
+                    l.information.row(k).setZero();
+                    l.information.col(k).setZero();
+                    l.information(k, k) = 1;
+                    l.gradient[k] = 0;
+                }
             }
             Matrix damped = l.information;
             damped.diagonal() *= 1 + lambda;
             damped.diagonal().array() += 1e-12;
             Vector next = x + damped.ldlt().solve(l.gradient);
-            next[0] = std::clamp(next[0], 0.0, 1.0);
-            for (const int k : {1, 2}) next[k] = std::clamp(next[k], -node_range, node_range);
+            for (int k = 0; k < size_; ++k) {
+                next[k] = is_share(k) ? std::clamp(next[k], 0.0, 1.0)
+                                      : std::clamp(next[k], -node_range, node_range);
+            }
             const double found = cost(next);
             if (found <= best) {
                 const double gain = best - found;
@@ -142,14 +154,43 @@ class Pixel {
     }
 
   private:
+    [[nodiscard]] double modelled(std::size_t p, const Vector& x, Vector* slope) const {
+        const double w = x[at_w];
+        const Sample ji = sample(curves_[p].ji, x[at_ji]), ha = sample(curves_[p].ha, x[at_ha]);
+        double rest = ji.value, h = 0;
+        if (hadori()) {
+            const Sample white = sample(curves_[p].hadori, x[at_hadori]);
+            h = x[at_h];
+            rest += h * (white.value - ji.value);
+            if (slope != nullptr) {
+                (*slope)[at_h] = (1 - w) * (white.value - ji.value);
+                (*slope)[at_hadori] = (1 - w) * h * white.slope;
+            }
+        }
+        if (slope != nullptr) {
+            (*slope)[at_w] = ha.value - rest;
+            (*slope)[at_ji] = (1 - w) * (1 - h) * ji.slope;
+            (*slope)[at_ha] = w * ha.slope;
+        }
+        return (1 - w) * rest + w * ha.value;
+    }
+
     const std::vector<Curves>& curves_;
     const std::vector<Reading>& readings_;
-    double spread_;
+    double prior_;
+    int size_;
 };
 
+// The parameter of the lobe that has most of a pixel.
+int leading_lobe(const Vector& x) {
+    const double h = x.size() > without_hadori ? x[at_h] : 0, w = x[at_w];
+    const double ji = (1 - w) * (1 - h), white = (1 - w) * h;
+    if (w >= ji && w >= white) return at_ha;
+    return white > ji ? at_hadori : at_ji;
+}
+
 struct Answer {
-    Vector x = Vector::Zero();
-    Vector sigma = Vector::Zero();
+    Vector x, sigma;
     double sigma_lead = 0;  // of the leading lobe's ln mu, by the photographs alone
     double chi2 = 0;
     bool ambiguous = false;
@@ -159,64 +200,77 @@ double safe_root(double v) {
     return v > 0 ? std::sqrt(v) : 0.0;
 }
 
-Answer solve_pixel(const std::vector<Curves>& curves, const std::vector<Reading>& readings,
-                   double spread, bool fit_mu) {
-    const Pixel pixel(curves, readings, spread);
-    Answer answer;
-    // Starts: each lobe in turn over its range, w by the straight line.
-    std::array<Vector, 2 * nodes> starts;
-    starts.fill(Vector::Zero());
-    std::array<double, 2 * nodes> costs{};
-    std::size_t count = 0;
-    const int stride = fit_mu ? 1 : nodes;
-    for (int lobe = 0; lobe < (fit_mu ? 2 : 1); ++lobe) {
-        for (int k = 0; k < nodes; k += stride) {
-            const double s = fit_mu ? -node_range + k * node_step : 0;
-            Vector x(0, lobe == 0 ? s : 0, lobe == 1 ? s : 0);
-            x[0] = pixel.best_w(x[1], x[2]);
-            starts[count] = x;
-            costs[count++] = pixel.cost(x);
+// Where a fit begins: each lobe in turn over its range, only the valleys, w by the straight line;
+// with hadori also some of its shares.
+std::vector<Vector> starts_of(const Pixel& pixel, bool fit_mu) {
+    std::vector<Vector> starts;
+    const auto with_w = [&](Vector x) {
+        x[at_w] = pixel.best_w(x);
+        return x;
+    };
+    if (!fit_mu) {
+        starts.push_back(with_w(pixel.none()));
+    } else {
+        for (const int lobe : {int(at_ji), int(at_ha)}) {
+            std::array<Vector, nodes> scan;
+            std::array<double, nodes> costs{};
+            for (std::size_t k = 0; k < nodes; ++k) {
+                Vector x = pixel.none();
+                x[lobe] = -node_range + static_cast<double>(k) * node_step;
+                scan[k] = with_w(x);
+                costs[k] = pixel.cost(scan[k]);
+            }
+            for (std::size_t k = 0; k < nodes; ++k) {
+                if ((k == 0 || costs[k] <= costs[k - 1]) &&
+                    (k + 1 == nodes || costs[k] < costs[k + 1]))
+                    starts.push_back(scan[k]);
+            }
         }
     }
-    std::array<Vector, 3> found;
-    found.fill(Vector::Zero());
-    std::array<double, 3> found_cost{};
-    std::size_t solutions = 0;
-    for (std::size_t k = 0; k < count && solutions < found.size(); ++k) {
-        // Only valleys of the scan.
-        const std::size_t base = k < nodes ? 0 : nodes, end = std::min(base + nodes, count);
-        const bool valley =
-            (k == base || costs[k] <= costs[k - 1]) && (k + 1 == end || costs[k] < costs[k + 1]);
-        if (!valley) continue;
-        found[solutions] = pixel.refine(starts[k]);
-        found_cost[solutions] = pixel.cost(found[solutions]);
-        ++solutions;
+    if (pixel.hadori()) {
+        for (const double h : {0.5, 1.0}) {
+            Vector x = pixel.none();
+            x[at_h] = h;
+            starts.push_back(with_w(x));
+        }
     }
-    if (solutions == 0) found[solutions++] = pixel.refine(starts[0]);
-    std::size_t best = 0;
-    for (std::size_t k = 1; k < solutions; ++k)
-        if (found_cost[k] < found_cost[best]) best = k;
+    if (starts.empty()) starts.push_back(with_w(pixel.none()));
+    return starts;
+}
+
+Answer solve_pixel(const Pixel& pixel, bool fit_mu) {
+    Answer answer;
+    std::vector<Vector> found;
+    std::vector<double> costs;
+    for (const Vector& start : starts_of(pixel, fit_mu)) {
+        found.push_back(pixel.refine(start));
+        costs.push_back(pixel.cost(found.back()));
+    }
+    const auto best =
+        static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
     answer.x = found[best];
-    for (std::size_t k = 0; k < solutions; ++k) {
+    const int lead = leading_lobe(answer.x);
+    const auto white = [&](const Vector& x) {
+        return pixel.hadori() ? (1 - x[at_w]) * x[at_h] : 0.0;
+    };
+    for (std::size_t k = 0; k < found.size(); ++k) {
         // Another answer nearly as good: within two standard deviations.
-        if (found_cost[k] - found_cost[best] > 4) continue;
+        if (costs[k] - costs[best] > 4) continue;
         const Vector d = found[k] - answer.x;
-        const int lead = answer.x[0] > 0.5 ? 2 : 1;
-        if (std::abs(d[0]) > 0.15 || std::abs(d[lead]) > 0.25) answer.ambiguous = true;
+        if (std::abs(d[at_w]) > 0.15 || std::abs(d[lead]) > 0.25 ||
+            std::abs(white(found[k]) - white(answer.x)) > 0.15)
+            answer.ambiguous = true;
     }
     const Pixel::Linear l = pixel.linearise(answer.x);
     answer.chi2 = l.chi2;
-    const double inverse = 1 / (spread * spread);
     Matrix full = l.information;
-    full(1, 1) += inverse;
-    full(2, 2) += inverse;
-    // What no photograph sees of w is as wide as w's own range.
-    full(0, 0) += 12;
+    for (int k = 0; k < pixel.size(); ++k)
+        full(k, k) += Pixel::is_share(k) ? share_information : pixel.prior();
     const Matrix covariance = full.inverse();
-    for (int k = 0; k < no_parameters; ++k) answer.sigma[k] = safe_root(covariance(k, k));
-    const int lead = answer.x[0] > 0.5 ? 2 : 1;
+    answer.sigma = pixel.none();
+    for (int k = 0; k < pixel.size(); ++k) answer.sigma[k] = safe_root(covariance(k, k));
     Matrix alone = full;
-    alone(lead, lead) -= inverse;
+    alone(lead, lead) -= pixel.prior();
     const Eigen::FullPivLU<Matrix> lu(alone);
     answer.sigma_lead = lu.isInvertible() ? safe_root(lu.inverse()(lead, lead))
                                           : std::numeric_limits<double>::infinity();
@@ -235,8 +289,13 @@ class CurveMaker {
           weights_{options.ji.weight, options.ha.weight},
           ji_(stored_lobe(options.ji)),
           ha_(stored_lobe(options.ha)) {
-        const double wide =
-            std::max(options.ji.mu_t_deg, options.ha.mu_t_deg) * std::exp(node_range);
+        double wide = std::max(options.ji.mu_t_deg, options.ha.mu_t_deg);
+        if (options.hadori) {
+            hadori_ = stored_lobe(*options.hadori);
+            hadori_weights_ = {-1, options.hadori->weight};
+            wide = std::max(wide, options.hadori->mu_t_deg);
+        }
+        wide *= std::exp(node_range);
         max_phi_ = std::min(4.3 * wide, 75.0) * double(TG_RAD_PER_DEG);
     }
     [[nodiscard]] std::vector<Curves> at(std::size_t pixel) const {
@@ -249,8 +308,17 @@ class CurveMaker {
                                            max_phi_);
             for (std::size_t k = 0; k < nodes; ++k) {
                 const double s = -node_range + static_cast<double>(k) * node_step;
-                curves[p].f[k] = static_cast<float>(response.ji({ji_[0] + s, ji_[1], ji_[2]}));
-                curves[p].t[k] = static_cast<float>(response.ha({ha_[0] + s, ha_[1], ha_[2]}));
+                curves[p].ji[k] = static_cast<float>(response.ji({ji_[0] + s, ji_[1], ji_[2]}));
+                curves[p].ha[k] = static_cast<float>(response.ha({ha_[0] + s, ha_[1], ha_[2]}));
+            }
+            if (!hadori_) continue;
+            // Hadori reflects by the hamon's formula, with a weight of its own.
+            const std::array<double, 3>& lobe = *hadori_;
+            const DiffuseResponse white(photographs_[p].source, pose, fresnel_, hadori_weights_,
+                                        max_phi_);
+            for (std::size_t k = 0; k < nodes; ++k) {
+                const double s = -node_range + static_cast<double>(k) * node_step;
+                curves[p].hadori[k] = static_cast<float>(white.ha({lobe[0] + s, lobe[1], lobe[2]}));
             }
         }
         return curves;
@@ -262,6 +330,8 @@ class CurveMaker {
     LuminousFresnel fresnel_;
     LobeWeights weights_;
     std::array<double, 3> ji_, ha_;
+    std::optional<std::array<double, 3>> hadori_;
+    LobeWeights hadori_weights_;
     double max_phi_ = 0;
 };
 
@@ -289,6 +359,12 @@ void check(const SurfaceView& view, const std::vector<DiffusePhotograph>& photog
     positive("known_spread", options.known_spread);
     positive("max_sigma_w", options.max_sigma_w);
     positive("max_sigma_ln_mu", options.max_sigma_ln_mu);
+    if (!(options.border_px >= 0 && options.border_px <= 100))
+        throw InputError("diffuse", "border_px", std::to_string(options.border_px), "0 to 100");
+    if (options.hadori && photographs.size() < 2) {
+        throw InputError("diffuse", "hadori", "one photograph",
+                         "two or more: one radiance cannot tell the shares of three lobes");
+    }
     if (!(options.model_error >= 0 && options.model_error < 1))
         throw InputError("diffuse", "model_error", std::to_string(options.model_error), "0 to 1");
 }
@@ -308,13 +384,34 @@ void check_areas(const std::vector<ReferenceArea>& references, std::size_t width
     }
 }
 
+// Whether a pixel nearer than `border_px` shows something else.
+bool near_border(const std::vector<std::uint8_t>& evaluated, std::size_t width, std::size_t height,
+                 std::size_t x, std::size_t y, double border_px) {
+    const double reach = border_px + 0.5;
+    const auto steps = static_cast<std::ptrdiff_t>(reach);
+    for (std::ptrdiff_t dy = -steps; dy <= steps; ++dy) {
+        for (std::ptrdiff_t dx = -steps; dx <= steps; ++dx) {
+            const std::ptrdiff_t px = static_cast<std::ptrdiff_t>(x) + dx,
+                                 py = static_cast<std::ptrdiff_t>(y) + dy;
+            if (px < 0 || py < 0 || px >= static_cast<std::ptrdiff_t>(width) ||
+                py >= static_cast<std::ptrdiff_t>(height))
+                continue;
+            if (evaluated[static_cast<std::size_t>(py) * width + static_cast<std::size_t>(px)] ==
+                    0 &&
+                std::hypot(static_cast<double>(dx), static_cast<double>(dy)) <= reach)
+                return true;
+        }
+    }
+    return false;
+}
+
 DiffuseResult empty_result(std::size_t width, std::size_t height, const DiffuseOptions& options) {
     DiffuseResult result;
     const std::size_t n = width * height;
     result.width = width;
     result.height = height;
-    for (auto* plane :
-         {&result.w, &result.sigma_w, &result.sigma_ji, &result.sigma_ha, &result.chi2})
+    for (auto* plane : {&result.w, &result.sigma_w, &result.h, &result.sigma_h, &result.sigma_ji,
+                        &result.sigma_ha, &result.chi2})
         plane->assign(n, 0.0F);
     result.ji_ln_mu_deg.assign(n, static_cast<float>(stored_lobe(options.ji)[0]));
     result.ha_ln_mu_deg.assign(n, static_cast<float>(stored_lobe(options.ha)[0]));
@@ -323,6 +420,13 @@ DiffuseResult empty_result(std::size_t width, std::size_t height, const DiffuseO
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> evaluated_pixels(const SurfaceView& view) {
+    std::vector<std::uint8_t> out = view.seen;
+    for (std::size_t i = 0; i < view.part.size(); ++i)
+        if (view.part[i] != Part::ji && view.part[i] != Part::ha) out[i] = 0;
+    return out;
+}
 
 std::size_t DiffuseResult::seen() const {
     return static_cast<std::size_t>(std::count_if(
@@ -346,6 +450,7 @@ DiffuseResult solve_diffuse(const SurfaceView& view,
     const double spread = fit_mu ? options.spread : options.known_spread;
     result.mu_measured = fit_mu;
     const CurveMaker maker(view, photographs, options);
+    const std::vector<std::uint8_t> evaluated = evaluated_pixels(view);
     std::atomic<std::size_t> rows_done{0};
     std::atomic<bool> cancelled{false};
     std::mutex telling;
@@ -355,11 +460,10 @@ DiffuseResult solve_diffuse(const SurfaceView& view,
             for (std::size_t y = begin; y < end && !cancelled; ++y) {
                 for (std::size_t x = 0; x < width; ++x) {
                     const std::size_t i = y * width + x;
-                    if (view.seen[i] == 0) continue;
-                    // Shinogi-ji, mune and kissaki are polished to lobes of their own.
-                    if (!view.part.empty() && view.part[i] != Part::ji && view.part[i] != Part::ha)
-                        continue;
-                    std::uint8_t mask = 0;
+                    if (evaluated[i] == 0) continue;
+                    std::uint8_t mask =
+                        near_border(evaluated, width, height, x, y, options.border_px) ? mask_border
+                                                                                       : 0;
                     std::vector<Reading> readings;
                     readings.reserve(photographs.size());
                     for (const DiffusePhotograph& p : photographs) {
@@ -376,20 +480,30 @@ DiffuseResult solve_diffuse(const SurfaceView& view,
                         result.sigma_w[i] = 1;
                         continue;
                     }
-                    const Answer answer = solve_pixel(maker.at(i), readings, spread, fit_mu);
-                    if (answer.sigma[0] > options.max_sigma_w) mask |= mask_flat_w;
-                    if (!fit_mu || answer.sigma_lead > options.max_sigma_ln_mu)
+                    const std::vector<Curves> curves = maker.at(i);
+                    const Pixel pixel(curves, readings, spread, options.hadori.has_value());
+                    const Answer answer = solve_pixel(pixel, fit_mu);
+                    if (answer.sigma[at_w] > options.max_sigma_w) mask |= mask_flat_w;
+                    if (pixel.hadori()) {
+                        result.h[i] = static_cast<float>(answer.x[at_h]);
+                        result.sigma_h[i] = static_cast<float>(answer.sigma[at_h]);
+                        if ((1 - answer.x[at_w]) * answer.sigma[at_h] > options.max_sigma_w)
+                            mask |= mask_flat_w;
+                    }
+                    // Maps hold no lobe of the hadori.
+                    if (!fit_mu || answer.sigma_lead > options.max_sigma_ln_mu ||
+                        leading_lobe(answer.x) == at_hadori)
                         mask |= mask_flat_mu;
                     if (answer.ambiguous) mask |= mask_ambiguous;
                     if (answer.chi2 > options.max_misfit * static_cast<double>(readings.size()))
                         mask |= mask_misfit;
                     result.mask[i] = mask;
-                    result.w[i] = static_cast<float>(answer.x[0]);
-                    result.sigma_w[i] = static_cast<float>(answer.sigma[0]);
-                    result.ji_ln_mu_deg[i] += fit_mu ? static_cast<float>(answer.x[1]) : 0.0F;
-                    result.ha_ln_mu_deg[i] += fit_mu ? static_cast<float>(answer.x[2]) : 0.0F;
-                    result.sigma_ji[i] = static_cast<float>(answer.sigma[1]);
-                    result.sigma_ha[i] = static_cast<float>(answer.sigma[2]);
+                    result.w[i] = static_cast<float>(answer.x[at_w]);
+                    result.sigma_w[i] = static_cast<float>(answer.sigma[at_w]);
+                    result.ji_ln_mu_deg[i] += fit_mu ? static_cast<float>(answer.x[at_ji]) : 0.0F;
+                    result.ha_ln_mu_deg[i] += fit_mu ? static_cast<float>(answer.x[at_ha]) : 0.0F;
+                    result.sigma_ji[i] = static_cast<float>(answer.sigma[at_ji]);
+                    result.sigma_ha[i] = static_cast<float>(answer.sigma[at_ha]);
                     result.chi2[i] = static_cast<float>(answer.chi2);
                 }
                 const std::size_t done = ++rows_done;
@@ -604,7 +718,6 @@ PropertyMaps diffuse_maps(const DiffuseResult& result, const DiffuseOptions& opt
     maps[MapChannel::ji_e2] = {static_cast<float>(ji[2])};
     maps[MapChannel::ha_e1] = {static_cast<float>(ha[1])};
     maps[MapChannel::ha_e2] = {static_cast<float>(ha[2])};
-    maps[MapChannel::h] = {0.0F};
     const auto plane = [&](const std::vector<float>& from) {
         std::vector<float> to(from.size());
         for (std::size_t row = 0; row < result.height; ++row) {
@@ -617,6 +730,7 @@ PropertyMaps diffuse_maps(const DiffuseResult& result, const DiffuseOptions& opt
     maps[MapChannel::ji_ln_mu_deg] = plane(result.ji_ln_mu_deg);
     maps[MapChannel::ha_ln_mu_deg] = plane(result.ha_ln_mu_deg);
     maps[MapChannel::w] = plane(result.w);
+    maps[MapChannel::h] = options.hadori ? plane(result.h) : std::vector<float>{0.0F};
     std::vector<float> part(result.w.size());
     for (std::size_t i = 0; i < part.size(); ++i) {
         part[i] = (result.mask[i] & mask_unseen) != 0 ? float(TG_PART_OTHER)

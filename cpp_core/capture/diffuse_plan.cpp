@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <limits>
 
+#include <Eigen/Dense>
+
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "brdf/model.hpp"
@@ -16,6 +18,8 @@ namespace {
 constexpr std::size_t mu_count = 33;
 constexpr double least_mu_deg = 0.2, most_mu_deg = 15;
 constexpr std::size_t most_points = 96;
+/// One over the variance of a share of which nothing is known but that it lies in [0, 1].
+constexpr double share_information = 12;
 
 std::string number(double value, const char* format = "%.2g") {
     std::array<char, 32> text{};
@@ -32,7 +36,7 @@ double median(std::vector<double> values) {
 struct Point {
     std::vector<std::vector<double>> radiance;  // [source][mu]
     std::vector<double> sigma_ln_mu;
-    double sigma_w = 0;
+    double sigma_w = 0;   // the larger of a surface all ji and one all ha
     double contrast = 0;  // between any two polishes
 };
 
@@ -44,6 +48,7 @@ PlotColour mask_colour(std::uint8_t mask) {
     if ((mask & (mask_clipped | mask_not_finite)) != 0) return {230, 60, 60};
     if ((mask & mask_misfit) != 0) return {200, 60, 200};
     if ((mask & mask_ambiguous) != 0) return {240, 150, 40};
+    if ((mask & mask_border) != 0) return {60, 60, 66};
     return {96, 96, 140};
 }
 
@@ -83,8 +88,9 @@ DiffusePlan plan_diffuse(const SurfaceView& view, const std::vector<DiffuseSourc
     if (!(sigma > 0)) throw InputError("plan", "sigma", std::to_string(sigma), "above 0");
     std::vector<std::size_t> seen;
     glm::dvec3 mean(0);
+    const std::vector<std::uint8_t> evaluated = evaluated_pixels(view);
     for (std::size_t i = 0; i < view.pixels(); ++i) {
-        if (view.seen[i] == 0) continue;
+        if (evaluated[i] == 0) continue;
         seen.push_back(i);
         mean += view.position_mm[i];
     }
@@ -123,34 +129,55 @@ DiffusePlan plan_diffuse(const SurfaceView& view, const std::vector<DiffuseSourc
                 const SurfacePose pose{
                     view.position_mm[i], glm::normalize(glm::dvec3(view.normal[i])),
                     glm::dvec3(view.tangent[i]), view.camera.view(view.position_mm[i])};
-                std::vector<double> information(mu_count, 0.0);
-                double information_w = 0;
+                // Of ln mu and of w towards the other lobe; and of w, ln mu of ji and of ha.
+                std::vector<Eigen::Matrix2d> information(mu_count, Eigen::Matrix2d::Zero());
+                std::array<Eigen::Matrix3d, 2> shares{Eigen::Matrix3d::Zero(),
+                                                      Eigen::Matrix3d::Zero()};
                 for (const DiffuseSource& source : sources) {
                     const DiffuseResponse response(source, pose, fresnel,
                                                    {options.ji.weight, options.ha.weight}, max_phi);
                     std::vector<double> c(mu_count);
                     for (std::size_t k = 0; k < mu_count; ++k)
                         c[k] = response.ji({std::log(plan.mu_deg[k]), ji[1], ji[2]});
+                    const double f = response.ji(ji), t = response.ha(ha);
                     for (std::size_t k = 0; k < mu_count; ++k) {
                         const std::size_t a = k > 0 ? k - 1 : 0, b = std::min(k + 1, mu_count - 1);
-                        const double slope =
-                            (c[b] - c[a]) / (step_ln * static_cast<double>(b - a)) / noise(c[k]);
-                        information[k] += slope * slope;
+                        const double slope = (c[b] - c[a]) / (step_ln * static_cast<double>(b - a));
+                        const double other =
+                            std::log(plan.mu_deg[k]) < 0.5 * (ji[0] + ha[0]) ? t : f;
+                        const Eigen::Vector2d j =
+                            Eigen::Vector2d(slope, other - c[k]) / noise(c[k]);
+                        information[k] += j * j.transpose();
                     }
-                    const double f = response.ji(ji), t = response.ha(ha);
-                    const double d = (t - f) / noise(0.5 * (f + t));
-                    information_w += d * d;
+                    constexpr double s = 0.05;
+                    const double slope_f = (response.ji({ji[0] + s, ji[1], ji[2]}) - f) / s;
+                    const double slope_t = (response.ha({ha[0] + s, ha[1], ha[2]}) - t) / s;
+                    for (const double w : {0.0, 1.0}) {
+                        const Eigen::Vector3d j =
+                            Eigen::Vector3d(t - f, (1 - w) * slope_f, w * slope_t) /
+                            noise((1 - w) * f + w * t);
+                        shares[w > 0.5 ? 1 : 0] += j * j.transpose();
+                    }
                     const auto [low, high] = std::minmax_element(c.begin(), c.end());
                     point.contrast =
                         std::max({point.contrast, (*high - *low) / std::max(*high, 1e-6),
                                   std::abs(t - f) / std::max({t, f, 1e-6})});
                     point.radiance.push_back(std::move(c));
                 }
-                for (const double v : information)
-                    point.sigma_ln_mu.push_back(v > 0 ? 1 / std::sqrt(v)
-                                                      : std::numeric_limits<double>::infinity());
-                point.sigma_w = information_w > 0 ? 1 / std::sqrt(information_w)
-                                                  : std::numeric_limits<double>::infinity();
+                for (Eigen::Matrix2d& v : information) {
+                    // With one photograph w has to be known.
+                    v(1, 1) += sources.size() > 1 ? share_information : 1e12;
+                    const double det = v.determinant();
+                    point.sigma_ln_mu.push_back(det > 0 && v(0, 0) > 0
+                                                    ? std::sqrt(v(1, 1) / det)
+                                                    : std::numeric_limits<double>::infinity());
+                }
+                const double spread = sources.size() > 1 ? options.spread : options.known_spread;
+                for (Eigen::Matrix3d& v : shares) {
+                    v.diagonal() += Eigen::Vector3d(share_information, 1 / (spread * spread),
+                                                    1 / (spread * spread));
+                    point.sigma_w = std::max(point.sigma_w, std::sqrt(v.inverse()(0, 0)));
+                }
             }
         },
         options.threads);
@@ -222,9 +249,10 @@ DiffusePlan plan_diffuse(const SurfaceView& view, const std::vector<DiffuseSourc
             number(100 * *std::max_element(plan.mu_share.begin(), plan.mu_share.end()), "%.0f") +
             " % of it.");
     }
-    plan.sentences.push_back("Ji and hamon are told apart (w to " + number(options.max_sigma_w) +
-                             ") on " + number(100 * plan.w_share, "%.0f") +
-                             " % of the surface, where the lobes are known.");
+    plan.sentences.push_back(
+        "Ji and hamon are told apart (w to " + number(options.max_sigma_w) + ") on " +
+        number(100 * plan.w_share, "%.0f") + " % of the surface, where the lobes are known to " +
+        number(100 * (sources.size() > 1 ? options.spread : options.known_spread), "%.0f") + " %.");
     return plan;
 }
 

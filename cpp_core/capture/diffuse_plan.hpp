@@ -16,11 +16,13 @@ struct DiffusePlanCurve {
 struct DiffusePlan {
     std::vector<double> mu_deg;                 ///< 0.2 to 15 degrees, in equal ratios
     std::vector<DiffusePlanCurve> photographs;  ///< at the middle of the surface
-    /// Share of the surface where the photographs together hold ln mu to max_sigma_ln_mu, a surface
-    /// all of one polish.
+    /// Share of the surface where the photographs together hold ln mu to max_sigma_ln_mu: a surface
+    /// all of one polish, of which two photographs or more have to find that too.
     std::vector<double> mu_share;
     std::vector<double> sigma_ln_mu;  ///< median over the surface; infinite: not at all
-    double w_share = 0;  ///< share of the surface where w is held to max_sigma_w, lobes known
+    /// Share of the surface where w is held to max_sigma_w, be it ji or ha, the lobes known to the
+    /// options' spread (one photograph: known_spread).
+    double w_share = 0;
     /// Every polish looks alike to every source, as under an even hemisphere.
     bool blind = false;
     std::vector<std::string> sentences;  ///< the same for people

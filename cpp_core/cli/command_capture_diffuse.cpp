@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
     std::string setup, output, preview, plot, material, truth;
     std::vector<int> only;  // photographs, from 1
-    bool plan = false, no_geometry = false;
+    bool plan = false, no_geometry = false, hadori = false;
     DiffuseOptions diffuse;
 };
 
@@ -199,13 +199,15 @@ FloatImage quality_image(const DiffuseResult& result) {
     FloatImage image;
     image.width = static_cast<int>(result.width);
     image.height = static_cast<int>(result.height);
-    image.names = {"sigma.w", "sigma.ji.ln_mu_deg", "sigma.ha.ln_mu_deg", "chi2", "mask"};
-    image.channels = 5;
-    image.values.reserve(5 * result.mask.size());
+    image.names = {"sigma.w", "sigma.ji.ln_mu_deg", "sigma.ha.ln_mu_deg", "sigma.h", "chi2",
+                   "mask"};
+    image.channels = 6;
+    image.values.reserve(6 * result.mask.size());
     for (std::size_t i = 0; i < result.mask.size(); ++i) {
-        image.values.insert(image.values.end(),
-                            {result.sigma_w[i], result.sigma_ji[i], result.sigma_ha[i],
-                             result.chi2[i], static_cast<float>(result.mask[i])});
+        image.values.insert(
+            image.values.end(),
+            {result.sigma_w[i], result.sigma_ji[i], result.sigma_ha[i], result.sigma_h[i],
+             result.chi2[i], static_cast<float>(result.mask[i])});
     }
     std::string bits;
     for (const auto& [bit, name] : diffuse_mask_names)
@@ -262,15 +264,18 @@ Json compare(const DiffuseResult& result, const std::string& path) {
         throw InputError(path, "size",
                          std::to_string(truth.width) + " x " + std::to_string(truth.height),
                          "that of the pictures");
-    const std::size_t w_at = channel("w"), ji_at = channel("ji.ln_mu_deg"),
+    const std::size_t w_at = channel("w"), h_at = channel("h"), ji_at = channel("ji.ln_mu_deg"),
                       ha_at = channel("ha.ln_mu_deg");
-    std::vector<double> w_error, mu_error;
+    std::vector<double> w_error, h_error, mu_error;
     double in_w = 0, in_mu = 0;
     for (std::size_t i = 0; i < result.mask.size(); ++i) {
         const float* t = truth.values.data() + i * static_cast<std::size_t>(truth.channels);
         if ((result.mask[i] & mask_no_w) != 0) continue;
         w_error.push_back(std::abs(double(result.w[i]) - t[w_at]));
         in_w += w_error.back() <= result.sigma_w[i] ? 1 : 0;
+        // Hadori's share of the whole: where all is ha, its share of nothing does not count.
+        h_error.push_back(
+            std::abs((1 - double(result.w[i])) * result.h[i] - (1 - double(t[w_at])) * t[h_at]));
         if ((result.mask[i] & mask_no_mu) != 0) continue;
         const bool ha = result.w[i] > 0.5F, truly_ha = t[w_at] > 0.5F;
         const double found = ha ? result.ha_ln_mu_deg[i] : result.ji_ln_mu_deg[i];
@@ -282,6 +287,7 @@ Json compare(const DiffuseResult& result, const std::string& path) {
     if (!w_error.empty()) {
         out["w_p50"] = quantile(w_error, 0.5);
         out["w_p90"] = quantile(w_error, 0.9);
+        out["hadori_p90"] = quantile(h_error, 0.9);
         out["w_coverage"] = in_w / static_cast<double>(w_error.size());
     }
     if (!mu_error.empty()) {
@@ -303,6 +309,7 @@ void run(Options o, const Common& common) {
     o.diffuse.light = setup.light;
     o.diffuse.ji = material.ji;
     o.diffuse.ha = material.ha;
+    if (o.hadori) o.diffuse.hadori = material.hadori;
     bool geometry =
         !o.no_geometry && setup.camera && !std::holds_alternative<NoSurface>(setup.surface);
     for (const PhotographSetup& p : setup.photographs) geometry = geometry && p.source.has_value();
@@ -431,6 +438,10 @@ void add_capture_diffuse_command(CLI::App& capture, const Common& common) {
     command->add_option("--material", o->material, "Known lobes, instead of the set-up's");
     command->add_option("--truth", o->truth, "truth.exr of capture simulate: report the errors");
     DiffuseOptions& d = o->diffuse;
+    command->add_flag("--hadori", o->hadori,
+                      "The blade has hadori: the material's lobe of it is a third one");
+    command->add_option("--border-px", d.border_px, "Masked beside the outline and other parts")
+        ->capture_default_str();
     command->add_option("--spread", d.spread, "Prior standard deviation of ln mu")
         ->capture_default_str();
     command

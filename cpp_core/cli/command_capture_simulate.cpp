@@ -33,8 +33,8 @@ struct Options {
     std::int64_t seed = -1;
 };
 
-// A set-up to begin with: three places of a soft box over a bent plate, or over
-// a hand's breadth of a katana.
+// A set-up to begin with: three strip lights over a bent plate, or over a hand's breadth of a
+// katana.
 CaptureSetup example_setup(const std::string& kind) {
     CaptureSetup setup;
     setup.material = "sashikomi_katana";
@@ -55,7 +55,7 @@ CaptureSetup example_setup(const std::string& kind) {
         target + 900.0 * glm::dvec3(0, std::cos(incidence), -std::sin(incidence));
     setup.camera = camera_looking_at(eye, target, {0, 0, 1}, false, kind == "plate" ? 3 : 2.5,
                                      kind == "plate" ? 114 : 200, kind == "plate" ? 54 : 80);
-    // The boxes stand about the mirror direction of the ji, which leans towards the edge.
+    // The strips stand about the mirror direction of the ji, which leans towards the edge.
     glm::dvec3 normal(0, 1, 0);
     if (kind == "blade") {
         const SurfaceView view = view_of(setup);
@@ -69,13 +69,20 @@ CaptureSetup example_setup(const std::string& kind) {
     const glm::dvec3 to_eye = glm::normalize(eye - target);
     const glm::dvec3 mirror = 2 * glm::dot(normal, to_eye) * normal - to_eye;
     const glm::dvec3 up = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), mirror));
-    for (const double shift_deg : {-9.0, 9.0, 0.0}) {
-        const double a = shift_deg * 3.14159265358979323846 / 180;
+    // Two strips, 3 degrees apart, whose edges lie where ji and ha of a hiraji turn from bright to
+    // dark; and one of twice the height on the edge's side, beside which the
+    // ha is at its brightest and hardly changes with its half width.
+    struct Strip {
+        double shift_deg, half_height_mm;
+    };
+    for (const Strip& strip : {Strip{-1.5, 25}, Strip{1.5, 25}, Strip{-3, 50}}) {
+        const double a = strip.shift_deg * 3.14159265358979323846 / 180;
         const glm::dvec3 to = std::cos(a) * mirror - std::sin(a) * up;
         DiffuseSource source;
         source.centre_mm = target + 700.0 * to;
         source.half_u_mm = {250, 0, 0};
-        source.half_v_mm = 98.4 * glm::normalize(glm::cross(to, glm::dvec3(1, 0, 0)));
+        source.half_v_mm =
+            strip.half_height_mm * glm::normalize(glm::cross(to, glm::dvec3(1, 0, 0)));
         PhotographSetup photograph;
         photograph.source = source;
         setup.photographs.push_back(photograph);

@@ -2,7 +2,7 @@
 
     python tests/bench/capture_diffuse.py --out ROWS [--seed 1] [--kind blade]
 
-`togishi capture simulate` photographs a katana of known maps (noise, blur, 12 bits) under a soft box in three places;
+`togishi capture simulate` photographs a katana of known maps (noise, blur, 12 bits) under strip lights in three places;
 `togishi capture diffuse` gives w from one picture with the blade's own lobes, and half widths and w from two with lobes
 that are told it 12 % wrong.
 """
@@ -34,7 +34,8 @@ WRONG = 1.12
 LIGHT = 'light = "line:550"'
 """One wavelength, as through a narrow filter: a spectrum makes the reference five times slower, and nothing else."""
 ONE, TWO = ["3"], ["1", "2"]
-"""Photographs of the example set-up: the box in the mirror direction of the ji, and 9 degrees to either side."""
+"""Photographs of the example set-up: beside the mirror direction of the ji, where the ha's radiance turns; and the two
+strips 3 degrees apart about it."""
 
 
 def togishi(*arguments: object) -> str:
@@ -142,7 +143,7 @@ def measure(kind: str, seed: int, quick: bool) -> Measurement:
             Row("capture.diffuse_coverage.mu", errors["mu_coverage"], "", how="the same of ln μ"),
         ]
         measured.pictures = {
-            "w of a blade from one photograph under a soft box (coloured: masked)": picture(
+            "w of a blade from one photograph under a strip light (coloured: masked)": picture(
                 folder / "one/w.png"
             ),
             "w from two positions": picture(folder / "two/w.png"),

@@ -60,8 +60,8 @@ DiffuseOptions as_known() {
 }
 
 DiffusePhotograph photograph(const Scene& scene, const DiffuseSource& source, double blur_px,
-                             std::uint64_t seed) {
-    const auto radiance = reference_radiance(scene.view, scene.truth, source, reference());
+                             std::uint64_t seed, const RadianceOptions& light = reference()) {
+    const auto radiance = reference_radiance(scene.view, scene.truth, source, light);
     SensorOptions sensor;
     sensor.scale = 0.8 / (*std::max_element(radiance.begin(), radiance.end()) + 1e-9);
     sensor.blur_px = blur_px;
@@ -204,6 +204,64 @@ TEST(CaptureDiffuse, SigmaCoversTheErrors) {
             EXPECT_LT(inside / trials, 0.78) << pixel;
         }
     }
+}
+
+// The middle of the plate is whitened; without the third lobe that would pass for hamon.
+TEST(CaptureDiffuse, HadoriIsAThirdLobe) {
+    Scene scene = plate_scene(32, 12, 0.03);
+    const auto whitened = [](std::size_t pixel) {
+        const std::size_t x = pixel % 32;
+        return x >= 23 && x < 28 ? 0.8F : 0.0F;  // in the ji: u runs to the left
+    };
+    for (std::size_t i = 0; i < scene.view.pixels(); ++i)
+        scene.truth.values[i * map_channel_count + std::size_t(MapChannel::h)] = whitened(i);
+    std::vector<DiffusePhotograph> photographs;
+    for (const double shift : {-9.0, 0.0, 9.0, 12.0}) {
+        RadianceOptions light = reference();
+        light.hadori = {std::log(2.2), 0, 0};
+        photographs.push_back(
+            photograph(scene, soft_box(shift), 0.5, photographs.size() + 1, light));
+    }
+    DiffuseOptions options = as_known();
+    options.spread = 0.05;
+    EXPECT_THROW((void)solve_diffuse(scene.view, {photographs[0]},
+                                     [&] {
+                                         DiffuseOptions one = options;
+                                         one.hadori = MaterialLobe{2.2, 2.2, 0, -1};
+                                         return one;
+                                     }()),
+                 InputError);
+    const DiffuseResult two_lobes = solve_diffuse(scene.view, photographs, options);
+    options.hadori = MaterialLobe{2.2, 2.2, 0, -1};
+    const DiffuseResult found = solve_diffuse(scene.view, photographs, options);
+    std::vector<double> error, mistaken;
+    for (std::size_t i = 0; i < scene.view.pixels(); ++i) {
+        if ((found.mask[i] & mask_no_w) != 0) continue;
+        const double w = scene.truth.at(i, MapChannel::w);
+        error.push_back(std::abs((1 - found.w[i]) * found.h[i] - (1 - w) * whitened(i)));
+        error.push_back(std::abs(found.w[i] - w));
+        if (whitened(i) > 0) mistaken.push_back(std::abs(two_lobes.w[i] - w));
+    }
+    EXPECT_GT(error.size(), found.seen());  // half of the surface or more
+    EXPECT_LT(quantile(error, 0.9), 0.08);
+    EXPECT_GT(quantile(mistaken, 0.5), 0.1);
+    const PropertyMaps maps = diffuse_maps(found, options);
+    EXPECT_EQ(maps[MapChannel::h].size(), found.h.size());
+}
+
+TEST(CaptureDiffuse, PixelsBesideTheOutlineAreMasked) {
+    Scene scene = plate_scene(24, 10);
+    scene.view.seen[5 * 24 + 12] = 0;
+    DiffuseOptions options = as_known();
+    const DiffusePhotograph picture = photograph(scene, soft_box(0), 0.5, 1);
+    const DiffuseResult found = solve_diffuse(scene.view, {picture}, options);
+    for (const std::size_t beside : {4u * 24 + 11, 5u * 24 + 13, 6u * 24 + 12})
+        EXPECT_NE(found.mask[beside] & mask_border, 0) << beside;
+    EXPECT_EQ(found.mask[5 * 24 + 14] & mask_border, 0);
+    options.border_px = 0;
+    EXPECT_EQ(solve_diffuse(scene.view, {picture}, options).masked(mask_border), 0u);
+    options.border_px = -1;
+    EXPECT_THROW((void)solve_diffuse(scene.view, {picture}, options), InputError);
 }
 
 TEST(CaptureDiffuse, AnEvenHemisphereTellsNothingAndSaysSo) {
