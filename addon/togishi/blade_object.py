@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import blender_versions, properties
-from .core import native
+from .core import native, tangents
 
 UV_MAP = "togishi_uv"
 MM = 1.0e-3
@@ -71,6 +71,34 @@ def slot_of_part(mesh: bpy.types.Mesh) -> dict[int, int]:
         int(part): int(np.bincount(slots[parts == part].clip(min=0)).argmax())
         for part in np.unique(parts)
     }
+
+
+def turn_tangents(mesh: bpy.types.Mesh) -> None:
+    """Where a rotation was applied to the mesh, its stroke directions follow; see core/tangents.py."""
+    stored = mesh.attributes.get("togishi_tangent")
+    uv = mesh.uv_layers.get(UV_MAP)
+    if stored is None or uv is None:
+        return
+    if (stored.domain, stored.data_type) != ("CORNER", "FLOAT_VECTOR"):
+        return
+    corners = len(mesh.loops)
+    own, chart = np.empty(corners * 3, np.float32), np.empty(corners * 2, np.float32)
+    vertex, place = np.empty(corners, np.int32), np.empty(len(mesh.vertices) * 3, np.float32)
+    stored.data.foreach_get("vector", own)
+    uv.uv.foreach_get("vector", chart)
+    mesh.loops.foreach_get("vertex_index", vertex)
+    mesh.vertices.foreach_get("co", place)
+    mesh.calc_loop_triangles()
+    triangles = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+    mesh.loop_triangles.foreach_get("loops", triangles)
+    own = own.reshape(-1, 3)
+    along = tangents.uv_tangents(
+        place.reshape(-1, 3)[vertex], chart.reshape(-1, 2), triangles.reshape(-1, 3)
+    )
+    turned = tangents.turned_with_mesh(own, along)
+    if turned is not own:
+        stored.data.foreach_set("vector", turned.reshape(-1))
+        mesh.update()
 
 
 def set_slots(mesh: bpy.types.Mesh, slots: Mapping[int, int]) -> None:

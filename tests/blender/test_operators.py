@@ -18,6 +18,7 @@ from mathutils import Vector  # noqa: E402
 from togishi import blade_object, light_rig, map_files, map_images, properties  # noqa: E402
 from togishi.core import light_presets, native  # noqa: E402
 from togishi.core.katana_presets import PRESETS  # noqa: E402
+from togishi.engine import mesh_read  # noqa: E402
 
 
 def small_pattern(material: bpy.types.Material) -> None:
@@ -193,6 +194,33 @@ def test_maps_through_a_file(tmp_path):
     again = map_images.read(material)
     for name, values in maps.items():
         np.testing.assert_array_equal(again[name], values, err_msg=name)
+
+
+@pytest.mark.parametrize("turn_deg", [(0.0, 0.0, 90.0), (40.0, -70.0, 20.0), (0.0, 0.0, 0.0)])
+def test_strokes_follow_an_applied_rotation(turn_deg):
+    """Blender turns positions and normals of a mesh, not its attributes: the engine and, once baked again, the node
+    groups have the strokes along the blade all the same."""
+    obj = add_katana()
+
+    def stored():
+        values = np.empty(len(obj.data.loops) * 3, np.float32)
+        obj.data.attributes["togishi_tangent"].data.foreach_get("vector", values)
+        return values.reshape(-1, 3)
+
+    before = stored()
+    drawn_before = mesh_read.read_mesh(obj.data, frozenset()).tangent
+    obj.rotation_euler = [np.radians(angle) for angle in turn_deg]
+    turn = np.array(obj.rotation_euler.to_matrix())
+    bpy.ops.object.transform_apply(location=False, rotation=True, scale=False)
+    drawn = mesh_read.read_mesh(obj.data, frozenset()).tangent
+    off = np.linalg.norm(drawn - drawn_before @ turn.T, axis=1)
+    assert np.median(off) < 0.002 and np.percentile(off, 99) < 0.02
+    bpy.ops.material.togishi_nodes_connect()
+    off = np.linalg.norm(stored() - before @ turn.T, axis=1)
+    assert np.median(off) < 0.002 and np.percentile(off, 99) < 0.02
+    bpy.ops.material.togishi_nodes_connect()
+    again = np.linalg.norm(stored() - before @ turn.T, axis=1)
+    np.testing.assert_array_equal(off, again)
 
 
 def test_exported_maps_are_what_the_command_reads(tmp_path):

@@ -14,7 +14,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
-from togishi.core import packing, sampling, shader_source
+from togishi.core import packing, sampling, shader_source, tangents
 from togishi.core.scene_data import Camera, Light, LightKind, PlainMaterial, SteelMaterial, World
 from togishi.core.shader_source import LightVariant, SteelVariant
 
@@ -171,9 +171,28 @@ def test_tangents_follow_u():
     position = np.asarray([(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)], np.float32)
     triangles = np.asarray([(0, 1, 2), (0, 2, 3)])
     uv = np.asarray([(0.5, 0), (0.5, 1), (0, 1), (0, 0)], np.float32)  # u runs along -y
-    tangents = packing.uv_tangents(position, uv, triangles)
-    np.testing.assert_allclose(tangents, np.tile((0.0, -1.0, 0.0), (4, 1)), atol=1e-6)
-    assert (packing.uv_tangents(position, np.zeros_like(uv), triangles) == 0.0).all()
+    along = tangents.uv_tangents(position, uv, triangles)
+    np.testing.assert_allclose(along, np.tile((0.0, -1.0, 0.0), (4, 1)), atol=1e-6)
+    assert (tangents.uv_tangents(position, np.zeros_like(uv), triangles) == 0.0).all()
+
+
+def test_stored_tangents_turn_with_the_mesh():
+    """A rotation or a mirroring that Blender applied to positions alone; a bent mesh is left as it is."""
+    rng = np.random.default_rng(3)
+    own = rng.normal((1.0, 0.02, 0.1), (0.0, 0.02, 0.1), (500, 3))
+    own /= np.linalg.norm(own, axis=1)[:, None]
+    chart = own + rng.normal(0.0, 0.01, own.shape)
+    chart /= np.linalg.norm(chart, axis=1)[:, None]
+    assert tangents.turned_with_mesh(own, chart) is own
+    for turn in (np.linalg.qr(rng.normal(size=(3, 3)))[0], np.diag([1.0, 1.0, -1.0])[[2, 0, 1]]):
+        turned = tangents.turned_with_mesh(own, chart @ turn.T)
+        np.testing.assert_allclose(turned, own @ turn.T, atol=0.01)
+    bent = rng.normal(size=own.shape)
+    bent /= np.linalg.norm(bent, axis=1)[:, None]
+    assert tangents.turned_with_mesh(own, bent) is own
+    nothing = np.zeros_like(own)
+    assert tangents.turned_with_mesh(nothing, chart) is nothing
+    assert tangents.turned_with_mesh(own, nothing) is own
 
 
 @pytest.mark.parametrize("samples", [1, 2, 4, 16, 64])

@@ -27,6 +27,7 @@ from .scene_data import (
     World,
 )
 from .shader_source import LIGHT_CAPACITY, MAX_LEVELS, TABLE_ROWS, TABLE_SIZE, LightVariant
+from .tangents import turned_with_mesh, uv_tangents
 
 I32 = NDArray[np.int32]
 
@@ -332,25 +333,6 @@ def _mean(normal: F32, group: NDArray[np.integer[Any]], count: int) -> F32:
     return mean
 
 
-def uv_tangents(position: F32, uv: F32, triangles: NDArray[np.integer[Any]]) -> F32:
-    """(V, 3) direction of growing u at each vertex, not yet perpendicular to the normal; zero where
-    the UVs have no area."""
-    p, t = position[triangles], uv[triangles]
-    e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    d1, d2 = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
-    area = d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]
-    # Times the area's sign only: large triangles weigh more, folded ones do not turn the direction.
-    face = (e1 * d2[:, 1:2] - e2 * d1[:, 1:2]) * np.sign(area)[:, None]
-    total = np.zeros((len(position), 3), np.float64)
-    for corner in range(3):
-        for axis in range(3):
-            total[:, axis] += np.bincount(
-                triangles[:, corner], weights=face[:, axis], minlength=len(position)
-            )
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.divide(total, length, out=np.zeros_like(total), where=length > 0).astype(np.float32)
-
-
 def build_mesh(
     position: F32,
     corner_vertex: NDArray[np.int32],
@@ -404,11 +386,10 @@ def build_mesh(
     normal = _mean(normal, vertex_of_corner, len(first))
     points = np.nan_to_num(np.asarray(position, np.float32)[np.asarray(corner_vertex)[first]])
     uv = None if corner_uv is None else np.ascontiguousarray(corner_uv[first])
-    tangent: F32 | None
+    tangent = None if uv is None else uv_tangents(points, uv, merged)
     if corner_tangent is not None:
-        tangent = np.ascontiguousarray(corner_tangent[first])
-    else:
-        tangent = None if uv is None else uv_tangents(points, uv, merged)
+        own = np.ascontiguousarray(corner_tangent[first])
+        tangent = own if tangent is None else turned_with_mesh(own, tangent)
     slots = (
         np.zeros(len(triangles), np.int64)
         if face_slot is None

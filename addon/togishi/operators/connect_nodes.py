@@ -30,6 +30,11 @@ def _bake(operator: bpy.types.Operator, context: bpy.types.Context, spectrum: st
             if spectrum:
                 material.togishi.node_spectrum = spectrum
         steel_group.connect(material)
+        # The groups read the stroke direction as it is stored.
+        for obj in bpy.data.objects:
+            wears = any(slot.material == material for slot in obj.material_slots)
+            if wears and obj.type == "MESH" and obj.data.library is None:
+                blade_object.turn_tangents(obj.data)
         bake_cost_cache.store(material)
     except native.core().InputError as error:
         with properties.held_updates():
