@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "base/error.hpp"
+#include "capture/camera_step.hpp"
 
 namespace togishi {
 namespace {
@@ -92,36 +93,9 @@ void residuals(CameraFit& fit, const std::vector<Landmark>& landmarks, double ma
     }
 }
 
-// A rotation by a small vector, applied to the camera's axes.
-void turn(Camera& camera, const glm::dvec3& by) {
-    const double angle = glm::length(by);
-    if (angle < 1e-15) return;
-    const glm::dvec3 axis = by / angle;
-    const auto rotated = [&](const glm::dvec3& v) {
-        return std::cos(angle) * v + std::sin(angle) * glm::cross(axis, v) +
-               (1 - std::cos(angle)) * glm::dot(axis, v) * axis;
-    };
-    camera.right = glm::normalize(rotated(camera.right));
-    const glm::dvec3 down = rotated(camera.down);
-    camera.down = glm::normalize(down - camera.right * glm::dot(down, camera.right));
-}
-
-// Least squares of the pixels over rotation, place and scale, by Levenberg and differences.
+// Least squares of the pixels over rotation, place and scale.
 void refine(Camera& camera, const std::vector<Landmark>& landmarks) {
-    const int unknowns = camera.pinhole ? 7 : 6;
-    const auto changed = [&](const Eigen::VectorXd& step) {
-        Camera next = camera;
-        turn(next, {step[0], step[1], step[2]});
-        if (camera.pinhole) {
-            next.position_mm += glm::dvec3(step[3], step[4], step[5]);
-            next.scale *= std::exp(step[6]);
-        } else {
-            next.centre_px += glm::dvec2(step[3], step[4]);
-            next.scale *= std::exp(step[5]);
-        }
-        return next;
-    };
-    const auto errors = [&](const Camera& with) {
+    fit_camera(camera, [&](const Camera& with) {
         Eigen::VectorXd r(static_cast<Eigen::Index>(2 * landmarks.size()));
         for (std::size_t k = 0; k < landmarks.size(); ++k) {
             const auto pixel = with.project(landmarks[k].point_mm);
@@ -130,37 +104,7 @@ void refine(Camera& camera, const std::vector<Landmark>& landmarks) {
             r[static_cast<Eigen::Index>(2 * k + 1)] = d.y;
         }
         return r;
-    };
-    double lambda = 1e-3;
-    Eigen::VectorXd r = errors(camera);
-    for (int pass = 0; pass < 200; ++pass) {
-        Eigen::MatrixXd j(r.size(), unknowns);
-        for (int k = 0; k < unknowns; ++k) {
-            Eigen::VectorXd step = Eigen::VectorXd::Zero(unknowns);
-            const bool length = camera.pinhole && k >= 3 && k < 6;
-            const double h = length ? 1e-2 : !camera.pinhole && k >= 3 && k < 5 ? 1e-2 : 1e-6;
-            step[k] = h;
-            const Eigen::VectorXd forward = errors(changed(step));
-            step[k] = -h;
-            j.col(k) = (forward - errors(changed(step))) / (2 * h);
-        }
-        Eigen::MatrixXd normal = j.transpose() * j;
-        const Eigen::VectorXd gradient = j.transpose() * r;
-        normal.diagonal() *= 1 + lambda;
-        normal.diagonal().array() += 1e-12;
-        const Camera next = changed(-normal.ldlt().solve(gradient));
-        const Eigen::VectorXd found = errors(next);
-        if (found.squaredNorm() < r.squaredNorm()) {
-            const double gain = r.squaredNorm() - found.squaredNorm();
-            camera = next;
-            r = found;
-            lambda = std::max(lambda * 0.2, 1e-12);
-            if (gain < 1e-14 * (1 + r.squaredNorm())) break;
-        } else {
-            lambda *= 10;
-            if (lambda > 1e12) break;
-        }
-    }
+    });
 }
 
 double squared_error(const Camera& camera, const std::vector<Landmark>& landmarks) {

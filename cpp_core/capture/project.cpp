@@ -79,20 +79,19 @@ ChartSurface chart_surface(const KatanaMesh& mesh, std::size_t width, std::size_
     return chart;
 }
 
-// Distance in pixels from each pixel to the nearest that cannot be used or to the border, by steps
-// along rows, columns and diagonals, up to `most`.
-std::vector<float> inwards(const std::vector<std::uint8_t>& usable, std::size_t width,
-                           std::size_t height, double most) {
+// Distance in pixels from each pixel to the nearest of `from`, by steps along rows, columns and
+// diagonals, up to `most`.
+std::vector<float> distance_from(const std::vector<std::uint8_t>& from, std::size_t width,
+                                 std::size_t height, double most) {
     constexpr float diagonal = 1.41421356F;
     std::vector<float> distance(width * height);
     const auto at = [&](std::size_t x, std::size_t y) -> float& { return distance[y * width + x]; };
     for (std::size_t i = 0; i < distance.size(); ++i)
-        distance[i] = usable[i] != 0 ? static_cast<float>(most) : 0.0F;
+        distance[i] = from[i] != 0 ? 0.0F : static_cast<float>(most);
     const auto lower = [](float& v, float to) { v = std::min(v, to); };
     for (std::size_t y = 0; y < height; ++y) {
         for (std::size_t x = 0; x < width; ++x) {
             float& v = at(x, y);
-            lower(v, 0.5F + static_cast<float>(std::min({x, y, width - 1 - x, height - 1 - y})));
             if (x > 0) lower(v, at(x - 1, y) + 1);
             if (y > 0) lower(v, at(x, y - 1) + 1);
             if (x > 0 && y > 0) lower(v, at(x - 1, y - 1) + diagonal);
@@ -109,6 +108,37 @@ std::vector<float> inwards(const std::vector<std::uint8_t>& usable, std::size_t 
         }
     }
     return distance;
+}
+
+// Weight of each pixel, 0 where it cannot be used. Three fades, each by a distance of its own and
+// multiplied: towards where the picture cuts the blade off, towards masked pixels, and a short one
+// towards the outline. What all photographs share (the outline, what it masks) then leaves their
+// ratio alone; by the least of the distances, a blade's narrowness would end every slow transition.
+std::vector<float> fade_of(const SurfaceView& view, const std::vector<std::uint8_t>& masked_out,
+                           double feather_px) {
+    const auto width = static_cast<std::size_t>(view.camera.width_px),
+               height = static_cast<std::size_t>(view.camera.height_px);
+    const double most =
+        feather_px > 0 ? feather_px : std::hypot(view.camera.width_px, view.camera.height_px);
+    constexpr double hole_px = 24, outline_px = 2;
+    std::vector<std::uint8_t> cut(view.pixels(), 0), outside(view.pixels(), 0);
+    for (std::size_t y = 0; y < height; ++y) {
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t i = y * width + x;
+            const bool rim = x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+            cut[i] = rim && view.seen[i] != 0 ? 1 : 0;
+            outside[i] = view.seen[i] != 0 ? 0 : 1;
+        }
+    }
+    const std::vector<float> to_cut = distance_from(cut, width, height, most),
+                             to_hole = distance_from(masked_out, width, height, hole_px),
+                             to_outside = distance_from(outside, width, height, outline_px);
+    std::vector<float> fade(view.pixels());
+    for (std::size_t i = 0; i < fade.size(); ++i) {
+        const double cut_off = std::min((static_cast<double>(to_cut[i]) + 0.5) / most, 1.0);
+        fade[i] = static_cast<float>(cut_off * to_hole[i] / hole_px * to_outside[i] / outline_px);
+    }
+    return fade;
 }
 
 struct Moments {
@@ -158,6 +188,9 @@ ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMa
         throw InputError("project", "size",
                          std::to_string(options.width) + " x " + std::to_string(options.height),
                          "1 to 32768 texels either way");
+    if (!(options.feather_px >= 0 && options.feather_px < 1e6))
+        throw InputError("project", "feather_px", std::to_string(options.feather_px),
+                         "0 (the whole overlap) or pixels");
     std::vector<Photograph> all;
     all.reserve(photographs.size());
     for (std::size_t k = 0; k < photographs.size(); ++k) {
@@ -185,10 +218,10 @@ ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMa
         Photograph photograph;
         photograph.map = &one;
         photograph.view = view_of_mesh(mesh, one.camera);
-        std::vector<std::uint8_t> usable = photograph.view.seen;
-        for (std::size_t i = 0; i < usable.size() && !one.usable.empty(); ++i)
-            usable[i] = usable[i] != 0 && one.usable[i] != 0 ? 1 : 0;
-        photograph.fade = inwards(usable, width, height, options.feather_px);
+        std::vector<std::uint8_t> masked_out(photograph.view.pixels(), 0);
+        for (std::size_t i = 0; i < one.usable.size(); ++i)
+            masked_out[i] = photograph.view.seen[i] != 0 && one.usable[i] == 0 ? 1 : 0;
+        photograph.fade = fade_of(photograph.view, masked_out, options.feather_px);
         all.push_back(std::move(photograph));
     }
     const ChartSurface chart = chart_surface(mesh, options.width, options.height);
@@ -231,7 +264,7 @@ ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMa
             if (!centre || !edge_u || !edge_v) continue;
             const glm::dvec2 du = *edge_u - *centre, dv = *edge_v - *centre;
             const double reach = std::max({glm::length(du), glm::length(dv), 1.0});
-            const int taps = std::min(16, static_cast<int>(std::ceil(1.5 * reach)));
+            const int taps = std::min(64, static_cast<int>(std::ceil(1.5 * reach)));
             double cos2 = 1, sin2 = 0;
             if (photograph.map->frame == MapFrame::image) {
                 const double along = glm::dot(camera.right, tangent),
@@ -263,8 +296,7 @@ ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMa
                         const glm::dvec3 off = photograph.view.position_mm[pixel] - point;
                         if (std::abs(glm::dot(off, normal)) > options.hidden_mm) continue;
                         const double share = (1 - std::abs(at.x - px)) * (1 - std::abs(at.y - py));
-                        const double weight =
-                            share * facing * facing * fade / (options.feather_px * taps * taps);
+                        const double weight = share * facing * facing * fade / (taps * taps);
                         if (!(weight > 0)) continue;
                         const std::size_t row = h_px - 1 - y;  // maps begin at the lowest row
                         const PropertyMaps& from = photograph.map->maps;

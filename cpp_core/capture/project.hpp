@@ -26,7 +26,7 @@ struct ProjectedMap {
 
 struct ProjectOptions {
     std::size_t width = 4096, height = 512;
-    double feather_px = 24;   ///< over which a photograph fades towards its borders and its holes
+    double feather_px = 0;    ///< over which a photograph fades towards its border; 0: all of it
     double grazing_deg = 75;  ///< views flatter than this are not used
     double hidden_mm = 0.5;   ///< a place this far behind what the camera sees is hidden
     unsigned threads = 0;
@@ -42,8 +42,8 @@ struct ProjectResult {
 /// A texel is the mean over its own area of the pixels that it covers: each lobe by its second
 /// moments weighted with its share, as mip levels are made (bake/map_mips.hpp), directions turned
 /// from the photograph's frame into the blade's. Photographs are blended by how square they look at
-/// a place and how far it is from their border. Throws InputError: no photograph, a map that does
-/// not fit its camera, a blade that no photograph shows.
+/// a place, how far it is from where their border cuts the blade off and from masked pixels. Throws
+/// InputError: no photograph, a map that does not fit its camera, a blade that no photograph shows.
 [[nodiscard]] ProjectResult project_maps(const KatanaMesh& mesh,
                                          const std::vector<ProjectedMap>& photographs,
                                          const ProjectOptions& options);

@@ -143,7 +143,9 @@ void add_capture_project_command(CLI::App& capture, const Common& common) {
                      "(capture lights)")
         ->capture_default_str();
     command->add_flag("--keep-masked", o->keep_masked, "Use pixels that the quality file masks");
-    command->add_option("--feather-px", o->project.feather_px, "Fading at borders and holes")
+    command
+        ->add_option("--feather-px", o->project.feather_px,
+                     "Fading towards a picture's border; 0: over all of it")
         ->capture_default_str();
     command->callback([o, &common] { run(*o, common); });
 }

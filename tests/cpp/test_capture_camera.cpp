@@ -6,6 +6,9 @@
 
 #include "base/error.hpp"
 #include "capture/camera_pose.hpp"
+#include "capture/camera_surface.hpp"
+#include "capture/silhouette.hpp"
+#include "capture/simulate.hpp"
 #include "scan/random_normal.hpp"
 
 namespace {
@@ -117,6 +120,112 @@ TEST(CaptureCamera, DegenerateLandmarksAreRefusedWithTheReason) {
     wrong[3].pixel.y = NAN;
     EXPECT_NE(reason(wrong, false).find("finite"), std::string::npos);
     EXPECT_THROW((void)blade_landmark(blade(), "habaki"), InputError);
+}
+
+// A dark blade before a bright ground, or the other way round, as a camera sees it: three by three
+// rays a pixel, blurred, with noise.
+std::vector<float> outlined(const Camera& camera, double ground, double steel) {
+    Camera fine = camera;
+    fine.width_px *= 3;
+    fine.height_px *= 3;
+    fine.scale *= 3;
+    fine.centre_px *= 3;
+    const std::vector<std::uint8_t> seen = view_of_mesh(blade(), fine).seen;
+    std::vector<double> value(
+        static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px), 0);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(fine.height_px); ++y) {
+        for (std::size_t x = 0; x < static_cast<std::size_t>(fine.width_px); ++x) {
+            const auto width = static_cast<std::size_t>(camera.width_px);
+            // Uneven, as steel under a lamp is.
+            const double bright = steel * (0.8 + 0.2 * std::sin(0.01 * static_cast<double>(x)));
+            value[y / 3 * width + x / 3] += (seen[y * 3 * width + x] != 0 ? bright : ground) / 9;
+        }
+    }
+    SensorOptions sensor;
+    sensor.blur_px = 0.8;
+    return expose(value, camera.width_px, camera.height_px, sensor, 0);
+}
+
+// A pose that is some mm and tenths of a degree off.
+Camera disturbed(Camera camera, double mm, double deg) {
+    const Camera straight = camera;
+    const double a = deg * 3.14159265358979323846 / 180;
+    camera.right = glm::normalize(straight.right + a * straight.down - a * straight.forward());
+    camera.down = straight.down + a * straight.forward();
+    camera.down = glm::normalize(camera.down - camera.right * glm::dot(camera.right, camera.down));
+    camera.scale *= 1.003;
+    if (camera.pinhole) {
+        // Turned about the blade's middle, not about the eye.
+        const glm::dvec3 middle(370, 0, -20);
+        camera.position_mm = middle -
+                             glm::length(straight.position_mm - middle) * camera.forward() +
+                             mm * straight.down;
+    } else {
+        camera.centre_px += camera.scale * glm::dvec2(mm, -mm);
+    }
+    return camera;
+}
+
+TEST(CaptureCamera, TheOutlineCorrectsAPoseThatIsOff) {
+    const Camera side =
+        camera_looking_at({370, 900, 40}, {370, 0, -20}, {0, 0, 1}, false, 1.5, 1200, 160);
+    const Camera eye =
+        camera_looking_at({330, 1500, 100}, {370, 0, -20}, {0, 0, 1}, true, 2250, 1200, 160);
+    for (const Camera& camera : {side, eye}) {
+        const Camera off = disturbed(camera, 1.5, 0.3);
+        ASSERT_GT(apart(off, camera), 2.0);
+        for (const bool against_light : {true, false}) {
+            const std::vector<float> picture =
+                outlined(camera, against_light ? 0.9 : 0.05, against_light ? 0.1 : 0.6);
+            const SilhouetteFit fit =
+                refine_on_silhouette(blade(), off, picture, {}, SilhouetteOptions{});
+            EXPECT_LT(apart(fit.camera, camera), 0.45);  // 0.3 mm
+            EXPECT_LT(fit.rms_mm, 0.15);
+            EXPECT_LE(fit.rms_mm, fit.p90_mm);
+            EXPECT_GT(fit.before_rms_mm, 3 * fit.rms_mm);
+            EXPECT_GT(fit.points, fit.outline * 9 / 10);
+        }
+    }
+}
+
+TEST(CaptureCamera, BlurredMarksAreCorrectedByTheOutline) {
+    const Camera camera =
+        camera_looking_at({370, 900, 340}, {370, 0, -20}, {0, 0, 1}, false, 1.5, 1200, 160);
+    const std::vector<float> picture = outlined(camera, 0.9, 0.1);
+    for (const std::uint64_t seed : {5U, 6U}) {
+        const std::vector<Landmark> given = marks(camera, omote, 0.4, seed);
+        const CameraFit marked = fit_orthographic_camera(given, 1200, 160, {0, 1, 0});
+        const SilhouetteFit fit =
+            refine_on_silhouette(blade(), marked.camera, picture, given, SilhouetteOptions{});
+        EXPECT_LT(apart(fit.camera, camera), apart(marked.camera, camera));
+        // The way that the blade faces, which its light depends on most.
+        EXPECT_LT(glm::length(fit.camera.forward() - camera.forward()),
+                  0.6 * glm::length(marked.camera.forward() - camera.forward()));
+    }
+}
+
+TEST(CaptureCamera, AnOutlineThatIsNotThereIsRefused) {
+    const Camera camera =
+        camera_looking_at({370, 900, 40}, {370, 0, -20}, {0, 0, 1}, false, 1.5, 1200, 160);
+    const std::size_t n = 1200u * 160u;
+    const auto reason = [&](const Camera& with, const std::vector<float>& picture) {
+        try {
+            (void)refine_on_silhouette(blade(), with, picture, {}, SilhouetteOptions{});
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(reason(camera, std::vector<float>(n, 0.4F)).find("plain ground"), std::string::npos);
+    EXPECT_NE(reason(camera, std::vector<float>(n - 1, 0.4F)).find("as the camera"),
+              std::string::npos);
+    Camera away = camera;
+    away.position_mm.z += 2000;
+    EXPECT_NE(reason(away, std::vector<float>(n, 0.4F)).find("outside the picture"),
+              std::string::npos);
+    // Twenty millimetres off: farther than is looked.
+    EXPECT_NE(reason(disturbed(camera, 20, 0), outlined(camera, 0.9, 0.1)).find("within"),
+              std::string::npos);
 }
 
 }  // namespace

@@ -93,10 +93,9 @@ TEST(CaptureProject, PhotographsThatDisagreeMeetWithoutASeam) {
     PropertyMaps bright = smooth_maps(), dark = bright;
     bright[MapChannel::w].assign(width * height, 0.8F);
     dark[MapChannel::w].assign(width * height, 0.2F);
-    ProjectOptions o = options();
-    o.feather_px = 400;
     const ProjectResult found = project_maps(
-        blade(), {photographed(bright, over(250, 1000)), photographed(dark, over(420, 1000))}, o);
+        blade(), {photographed(bright, over(250, 1000)), photographed(dark, over(420, 1000))},
+        options());
     const std::size_t row = height / 4;
     double largest = 0;
     float least = 1, most = 0;
@@ -110,8 +109,54 @@ TEST(CaptureProject, PhotographsThatDisagreeMeetWithoutASeam) {
     }
     EXPECT_NEAR(least, 0.2, 0.01);
     EXPECT_NEAR(most, 0.8, 0.01);
-    // Of a step of 0.6, over texels of 1.9 mm.
-    EXPECT_LT(largest, 0.1);
+    // A step of 0.6 over the overlap of 80 mm, 43 texels: 0.014 each where it is shared out evenly.
+    EXPECT_LT(largest, 0.02);
+}
+
+// Two polishes in turn under one texel: their variances are averaged, not the logarithms.
+TEST(CaptureProject, ATexelHoldsTheMeanVarianceOfItsPixels) {
+    Camera camera = over(300, 600);
+    ProjectedMap picture = photographed(smooth_maps(), camera);
+    for (std::size_t i = 0; i < picture.maps[MapChannel::w].size(); ++i) {
+        picture.maps[MapChannel::w][i] = 0;
+        picture.maps[MapChannel::h][i] = 0;
+        picture.maps[MapChannel::ji_e1][i] = 0;
+        picture.maps[MapChannel::ji_e2][i] = 0;
+        picture.maps[MapChannel::ji_ln_mu_deg][i] = i % 2 == 0 ? 0.0F : std::log(3.0F);
+    }
+    const ProjectResult found = project_maps(blade(), {picture}, options());
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < width * height / 4; ++i) {
+        if (!(found.coverage[i] > 0)) continue;
+        sum += found.maps[MapChannel::ji_ln_mu_deg][i];
+        count += 1;
+    }
+    EXPECT_GT(count, 500);
+    // Variances 1 and 9; the logarithms' mean would be ln 3 / 2.
+    EXPECT_NEAR(sum / count, 0.5 * std::log(5.0), 0.01);
+}
+
+// A photograph's masked pixels are left to the others; where there is none the map has a hole.
+TEST(CaptureProject, MaskedPixelsAreFilledByOtherPhotographsOrMarked) {
+    PropertyMaps bright = smooth_maps(), dark = bright;
+    bright[MapChannel::w].assign(width * height, 0.8F);
+    dark[MapChannel::w].assign(width * height, 0.2F);
+    ProjectedMap first = photographed(bright, over(300, 600));
+    const ProjectedMap second = photographed(dark, over(300, 600));
+    first.usable.assign(600u * 240u, 1);
+    for (std::size_t i = 0; i < first.usable.size(); ++i)
+        if (i % 600 >= 200 && i % 600 < 260) first.usable[i] = 0;
+    const ProjectResult alone = project_maps(blade(), {first}, options());
+    const ProjectResult both = project_maps(blade(), {first, second}, options());
+    const ProjectResult whole = project_maps(blade(), {second}, options());
+    EXPECT_GT(alone.holes, whole.holes + 100);
+    EXPECT_EQ(both.holes, whole.holes);
+    float most = 0;
+    for (std::size_t i = 0; i < width * height; ++i) {
+        if (!(both.coverage[i] > 0 && alone.coverage[i] == 0)) continue;
+        most = std::max(most, std::abs(both.maps[MapChannel::w][i] - 0.2F));
+    }
+    EXPECT_LT(most, 1e-3F);
 }
 
 TEST(CaptureProject, DirectionsAreTurnedFromThePictureToTheBlade) {
