@@ -9,7 +9,7 @@ TOGISHI := build/release/cpp_core/cli/togishi
 CORE_SOURCES := $(shell find cpp_core shaders data cmake -type f 2>/dev/null) CMakeLists.txt pyproject.toml
 SAY := . tools/say.sh; say
 
-.PHONY: help setup setup-5.2 build command core core-5.2 demo test test-cpp test-python test-blender-5.2 test-package test-window package \
+.PHONY: help setup setup-5.2 build command core core-5.2 demo test test-cpp test-python core-5.2-where-possible test-package test-window package \
         docs-pictures results lint sanitize format clean
 
 help: ## list the targets
@@ -57,30 +57,35 @@ demo: command core ## the main job on real input: pictures and a page in out/dem
 	@$(SAY) "done: open out/demo/index.html"
 
 # Not among them: `make package` (downloads zig) and `make test-window` (unpacks a second Debian).
-test: test-cpp test-python test-blender-5.2 test-package ## all tests but test-window
+test: test-cpp test-python test-package ## all tests but test-window
 	@$(SAY) "all tests passed. Figures: make results; pictures: make demo"
 
 test-cpp: build
 	@$(SAY) "C++ tests"
 	@ctest --preset release --progress
 
-test-python: build core
-	@$(SAY) "Python tests, and tests inside Blender 4.5 LTS"
-	@PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI)) $(PY) -m pytest -q
-
 # 5.2 LTS needs Python 3.13, which Debian 12 lacks: without it `make test` says so, and CI fails.
-test-blender-5.2:
+core-5.2-where-possible:
 	@if [ -n "$$CI" ] || [ -x $(PY52) ] || compgen -G "$$HOME/.pyenv/versions/3.13*" >/dev/null || command -v python3.13 >/dev/null; then \
-	    $(MAKE) --no-print-directory core-5.2 && $(SAY) "tests inside Blender 5.2 LTS" && \
-	    PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI)) $(PY52) -m pytest -q tests/blender; \
+	    $(MAKE) --no-print-directory core-5.2; \
 	else \
-	    $(SAY) "SKIPPED: Blender 5.2 LTS needs Python 3.13, and none was found. Blender 4.5 LTS was tested."; \
+	    $(SAY) "SKIPPED: Blender 5.2 LTS needs Python 3.13, and none was found. Only Blender 4.5 LTS is tested."; \
 	fi
+
+# Two versions at a time: a Blender without a window keeps one core busy.
+test-python: build core core-5.2-where-possible
+	@$(SAY) "Python tests, and tests inside Blender 4.5 LTS; beside them 5.2 LTS, shown at the end"
+	@export PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI)); other=; \
+	if [ -x $(PY52) ]; then $(PY52) -m pytest -q tests/blender >build/test-blender-5.2.log 2>&1 & other=$$!; fi; \
+	$(PY) -m pytest -q; code=$$?; \
+	if [ -n "$$other" ]; then \
+	    wait $$other; other=$$?; $(SAY) "tests inside Blender 5.2 LTS"; cat build/test-blender-5.2.log; \
+	fi; exit $$((code | other))
 
 # The package is tested around the modules that `make core` installed, so that neither this nor CI needs zig. Two
 # versions at a time: a Blender without a window keeps one core busy.
 ZIP ?=
-test-package: core test-blender-5.2 ## the extension installed into clean Blenders: 4.5 LTS, and 5.2 LTS where core-5.2 is (ZIP=dist/F.zip: this package)
+test-package: core core-5.2-where-possible ## the extension installed into clean Blenders: 4.5 LTS, and 5.2 LTS where core-5.2 is (ZIP=dist/F.zip: this package)
 	@tools/setup_openimageio.sh
 	@$(SAY) "the extension installed into clean Blenders"
 	@export TOGISHI_PACKAGE=$(ZIP); \
