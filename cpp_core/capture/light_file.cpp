@@ -163,4 +163,25 @@ LightFile read_light_file(const fs::path& path, const LightFileOptions& options)
     return file;
 }
 
+LightFile read_light_bracket(const std::filesystem::path& path, const LightFile& lights,
+                             const LightFileOptions& options) {
+    LightFile other = read_light_file(path, options);
+    if (other.lights.size() != lights.lights.size()) {
+        throw InputError(
+            other.path.string(), "lights", std::to_string(other.lights.size()),
+            std::to_string(lights.lights.size()) + ", as " + lights.path.string() + " has");
+    }
+    for (std::size_t i = 0; i < other.lights.size(); ++i) {
+        constexpr double least_cosine = 0.999999;  // 0.08 degrees
+        if (glm::dot(other.lights[i].direction, lights.lights[i].direction) < least_cosine) {
+            throw InputError(
+                other.path.string() + ", line " + std::to_string(other.lights[i].line), "x y z",
+                "another direction than in line " + std::to_string(lights.lights[i].line) + " of " +
+                    lights.path.string(),
+                "the same lights in the same order");
+        }
+    }
+    return other;
+}
+
 }  // namespace togishi

@@ -49,4 +49,10 @@ struct LightFile {
 [[nodiscard]] LightFile read_light_file(const std::filesystem::path& path,
                                         const LightFileOptions& options = {});
 
+/// The same lights with another exposure. Throws InputError as above, and where number, order or
+/// directions of the lights are not those of `lights`.
+[[nodiscard]] LightFile read_light_bracket(const std::filesystem::path& path,
+                                           const LightFile& lights,
+                                           const LightFileOptions& options = {});
+
 }  // namespace togishi

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <numbers>
+#include <sstream>
 #include <utility>
 
 #include "base/error.hpp"
@@ -214,6 +216,16 @@ StackReach LightStack::reach(const glm::dvec3& normal) const {
     const RegionLights r = region(glm::normalize(normal));
     return {r.spacing_deg, r.reach_deg, 0.65 * r.spacing_deg, 0.5 * r.spacing_deg,
             RegionLights::widest_of(r.reach_deg)};
+}
+
+std::string reach_sentence(const StackReach& reach, std::size_t lights) {
+    std::ostringstream t;
+    t << std::setprecision(2) << lights << " lights, half vectors " << reach.spacing_deg
+      << " deg apart near the normal, out to " << reach.reach_deg
+      << " deg: narrow half widths are measured from " << reach.mu_sure_deg
+      << " deg (most pixels from " << reach.mu_mostly_deg << "), wide ones up to "
+      << reach.mu_widest_deg << " deg. Narrower lobes are flagged, not guessed.";
+    return t.str();
 }
 
 }  // namespace togishi

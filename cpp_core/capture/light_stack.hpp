@@ -50,6 +50,9 @@ struct StackReach {
     double mu_widest_deg;  ///< RegionLights::widest_of
 };
 
+/// The same for people, in one sentence.
+[[nodiscard]] std::string reach_sentence(const StackReach& reach, std::size_t lights);
+
 class LightStack {
   public:
     /// Throws InputError: fewer lights than `unknowns`, all lights in one plane with the viewer

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,8 +15,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "capture/diffuse_plan.hpp"
-#include "capture/diffuse_setup.hpp"
+#include "capture/diffuse_run.hpp"
 #include "cli/commands.hpp"
 #include "image/float_image.hpp"
 #include "image/map_file.hpp"
@@ -35,130 +33,10 @@ struct Options {
     DiffuseOptions diffuse;
 };
 
-// A picture as one linear value a pixel.
-struct LinearPicture {
-    int width = 0, height = 0;
-    std::vector<float> values;
-    std::vector<std::uint8_t> clipped;
-};
-
-LinearPicture load(const CaptureSetup& setup, const std::string& name) {
-    const std::filesystem::path path = setup.path_of(name);
-    const FloatImage image = read_float_image(path);
-    if (image.channels != 1 && image.channels != 3 && image.channels != 4) {
-        throw InputError(path.string(), "channels", std::to_string(image.channels),
-                         "1 (grey), 3 or 4 (linear RGB, Rec.709)");
-    }
-    LinearPicture out;
-    out.width = image.width;
-    out.height = image.height;
-    out.values.resize(image.pixels());
-    out.clipped.assign(image.pixels(), 0);
-    const auto channels = static_cast<std::size_t>(image.channels);
-    const bool has_top = image.whole_numbers || (setup.noise && setup.noise->bits > 0);
-    for (std::size_t i = 0; i < image.pixels(); ++i) {
-        const float* v = image.values.data() + i * channels;
-        double y = 0;
-        if (channels == 1) {
-            y = linear_value(setup.transfer, v[0]);
-        } else {
-            // Luminance of linear Rec.709.
-            y = 0.2126 * linear_value(setup.transfer, v[0]) +
-                0.7152 * linear_value(setup.transfer, v[1]) +
-                0.0722 * linear_value(setup.transfer, v[2]);
-        }
-        out.values[i] = static_cast<float>(y);
-        for (std::size_t c = 0; c < std::min<std::size_t>(channels, 3); ++c)
-            if (has_top && v[c] >= 0.9999F) out.clipped[i] = 1;
-    }
-    return out;
-}
-
-void check_size(const CaptureSetup& setup, const std::string& name, const LinearPicture& picture,
-                int width, int height, const std::string& as) {
-    if (picture.width == width && picture.height == height) return;
-    throw InputError(setup.path_of(name).string(), "size",
-                     std::to_string(picture.width) + " x " + std::to_string(picture.height),
-                     std::to_string(width) + " x " + std::to_string(height) + ", as " + as);
-}
-
-struct Loaded {
-    std::vector<DiffusePhotograph> photographs;
-    int width = 0, height = 0;
-    bool calibrated = true;  // radiances are over the source's
-};
-
-Loaded load_all(const CaptureSetup& setup, bool geometry) {
-    Loaded loaded;
-    std::string first_name = "the camera";
-    if (geometry) {
-        loaded.width = setup.camera->width_px;
-        loaded.height = setup.camera->height_px;
-    }
-    std::vector<double> card;
-    SurfaceView card_view;
-    for (const PhotographSetup& p : setup.photographs) {
-        if (p.file.empty())
-            throw InputError(setup.file.string(), "photograph.file", "missing", "a picture");
-        LinearPicture picture = load(setup, p.file);
-        if (loaded.width == 0) {
-            loaded.width = picture.width;
-            loaded.height = picture.height;
-            first_name = p.file;
-        }
-        check_size(setup, p.file, picture, loaded.width, loaded.height, first_name);
-        PictureNoise noise;
-        if (setup.noise) {
-            const SensorOptions& n = *setup.noise;
-            noise.gain = n.snr > 0 ? 1 / (n.snr * n.snr) : 0;
-            noise.read = n.read;
-            noise.quantum = n.bits > 0 ? std::exp2(-n.bits) : 0;
-        } else {
-            noise = estimate_noise(picture.values, static_cast<std::size_t>(loaded.width),
-                                   static_cast<std::size_t>(loaded.height));
-        }
-        std::vector<float> dark(picture.values.size(), 0.0F);
-        if (!p.dark.empty()) {
-            const LinearPicture frame = load(setup, p.dark);
-            check_size(setup, p.dark, frame, loaded.width, loaded.height, first_name);
-            dark = frame.values;
-        }
-        DiffusePhotograph out;
-        out.clipped = std::move(picture.clipped);
-        out.radiance.resize(picture.values.size());
-        out.sigma.resize(picture.values.size());
-        if (p.source) out.source = *p.source;
-        LinearPicture flat;
-        if (!p.flat.empty()) {
-            flat = load(setup, p.flat);
-            check_size(setup, p.flat, flat, loaded.width, loaded.height, first_name);
-            if (geometry) {
-                if (card_view.pixels() == 0) card_view = view_of_flat_card(setup);
-                card = card_radiance(card_view, *p.source);
-            }
-        } else if (!setup.scale) {
-            loaded.calibrated = false;
-        }
-        for (std::size_t i = 0; i < out.radiance.size(); ++i) {
-            const double value = double(picture.values[i]) - dark[i];
-            double sigma = noise.sigma(value);
-            if (!p.dark.empty()) sigma = std::hypot(sigma, noise.sigma(0));
-            double factor = 1 / (setup.scale.value_or(1) * p.exposure);
-            if (!p.flat.empty()) {
-                const double white = (double(flat.values[i]) - dark[i]) / p.flat_exposure;
-                const double light = geometry ? card[i] / p.source->radiance : 1;
-                factor = setup.flat_reflectance * light / (white * p.exposure);
-                // Averaged over frames, as flats are: its noise is a small share of the picture's.
-                if (!(white > 0)) factor = std::numeric_limits<double>::quiet_NaN();
-            } else if (p.source) {
-                factor /= p.source->radiance;
-            }
-            out.radiance[i] = static_cast<float>(value * factor);
-            out.sigma[i] = static_cast<float>(sigma * factor);
-        }
-        loaded.photographs.push_back(std::move(out));
-    }
-    return loaded;
+CapturePicture read_picture(const std::filesystem::path& path) {
+    FloatImage image = read_float_image(path);
+    return {image.width, image.height, image.channels, std::move(image.values),
+            image.whole_numbers};
 }
 
 Json json_of(const DiffusePlan& plan) {
@@ -302,30 +180,11 @@ void run(Options o, const Common& common) {
     CaptureSetup setup = read_capture_setup(o.setup);
     if (!o.only.empty()) choose(setup, o.only);
     if (!o.material.empty()) setup.material = o.material;
-    if (setup.photographs.empty())
-        throw InputError(o.setup, "photograph", "none", "[[photograph]], one or more");
-    const Material material = load_material(setup.material);
-    o.diffuse.metal = material.metal;
-    o.diffuse.light = setup.light;
-    o.diffuse.ji = material.ji;
-    o.diffuse.ha = material.ha;
-    if (o.hadori) o.diffuse.hadori = material.hadori;
-    bool geometry =
-        !o.no_geometry && setup.camera && !std::holds_alternative<NoSurface>(setup.surface);
-    for (const PhotographSetup& p : setup.photographs) geometry = geometry && p.source.has_value();
-    if (!geometry && (o.plan || setup.references.empty())) {
-        throw InputError(o.setup, "geometry",
-                         "no camera, surface or source, and no reference areas",
-                         "camera, surface and a source for each photograph; or two "
-                         "[[reference]] areas, one of ji and one of hamon");
-    }
+    take_material(setup, o.hadori, o.diffuse);
+    const bool geometry = !o.no_geometry && has_geometry(setup);
     const bool show = isatty(STDERR_FILENO) != 0;
     if (o.plan) {
-        std::vector<DiffuseSource> sources;
-        sources.reserve(setup.photographs.size());
-        for (const PhotographSetup& p : setup.photographs) sources.push_back(*p.source);
-        const double sigma = setup.noise && setup.noise->snr > 0 ? 1 / setup.noise->snr : 0.01;
-        const DiffusePlan plan = plan_diffuse(view_of(setup), sources, o.diffuse, sigma);
+        const DiffusePlan plan = plan_setup(setup, o.diffuse);
         if (!o.plot.empty()) {
             const Picture picture = plot_plan(plan);
             write_png(o.plot, picture.width, picture.height, picture.rgb);
@@ -340,6 +199,7 @@ void run(Options o, const Common& common) {
     if (o.output.empty() || !o.output.ends_with(".exr"))
         throw InputError("--output", "file name", o.output, "a name that ends in .exr");
     check_output_folder(o.output);
+    if (setup.camera) check_map_size(o.output, setup.camera->width_px, setup.camera->height_px);
     const DiffuseProgress progress = [show](double done) {
         if (show) {
             std::cerr << "\rtogishi capture diffuse: " << std::setw(3)
@@ -348,45 +208,13 @@ void run(Options o, const Common& common) {
         }
         return true;
     };
-    Loaded loaded = load_all(setup, geometry);
-    check_map_size(o.output, loaded.width, loaded.height);
-    DiffuseResult result;
-    if (geometry) {
-        const SurfaceView view = view_of(setup);
-        std::string calibration = "exposure as the set-up states";
-        if (!setup.photographs.front().flat.empty())
-            calibration = "flat-field frames of a white card";
-        if (!loaded.calibrated) {
-            if (setup.references.empty()) {
-                throw InputError(o.setup, "scale", "missing",
-                                 "scale, flat frames, or [[reference]] areas");
-            }
-            calibration = "reference areas of known lobes";
-            for (DiffusePhotograph& p : loaded.photographs) {
-                const auto gain =
-                    static_cast<float>(reference_gain(view, p, setup.references, o.diffuse));
-                for (float& v : p.radiance) v *= gain;
-                for (float& v : p.sigma) v *= gain;
-            }
-        }
-        result = solve_diffuse(view, loaded.photographs, o.diffuse, progress);
-        result.calibration = calibration;
-    } else {
-        result = solve_by_references(static_cast<std::size_t>(loaded.width),
-                                     static_cast<std::size_t>(loaded.height), loaded.photographs,
-                                     setup.references, o.diffuse);
-    }
+    const DiffuseResult result = evaluate_setup(setup, o.diffuse, geometry, read_picture, progress);
     MapFileInfo info;
     if (setup.camera && !setup.camera->pinhole) {
         info.chart_mm = {static_cast<float>(setup.camera->width_px / setup.camera->scale),
                          static_cast<float>(setup.camera->height_px / setup.camera->scale)};
     }
-    info.source = "measured: " + std::to_string(setup.photographs.size()) +
-                  (setup.photographs.size() == 1 ? " photograph" : " photographs") +
-                  " under diffuse light; calibrated by " + result.calibration + "; " +
-                  (result.mu_measured ? "half widths measured where not masked, about "
-                                      : "half widths not measured, those of ") +
-                  material.name;
+    info.source = source_text(setup, result);
     info.software = "togishi " TOGISHI_VERSION;
     write_map_file(o.output, diffuse_maps(result, o.diffuse), info, MapPrecision::single);
     const std::string stem = o.output.substr(0, o.output.size() - 4);

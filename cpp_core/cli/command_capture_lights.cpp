@@ -12,7 +12,6 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -96,23 +95,8 @@ void add_bracket(const std::string& argument, const LightFile& lights, const Lig
         throw InputError("--bracket", "argument", argument,
                          "FILE.lp=RATIO, its light over that of the first, e.g. short.lp=0.03125");
     }
-    const LightFile other = read_light_file(argument.substr(0, equals), how);
-    if (other.lights.size() != lights.lights.size()) {
-        throw InputError(
-            other.path.string(), "lights", std::to_string(other.lights.size()),
-            std::to_string(lights.lights.size()) + ", as " + lights.path.string() + " has");
-    }
-    for (std::size_t i = 0; i < other.lights.size(); ++i) {
-        constexpr double least_cosine = 0.999999;  // 0.08 degrees
-        if (glm::dot(other.lights[i].direction, lights.lights[i].direction) < least_cosine) {
-            throw InputError(
-                other.path.string() + ", line " + std::to_string(other.lights[i].line), "x y z",
-                "another direction than in line " + std::to_string(lights.lights[i].line) + " of " +
-                    lights.path.string(),
-                "the same lights in the same order");
-        }
-        pictures.push_back(other.lights[i].image);
-    }
+    const LightFile other = read_light_bracket(argument.substr(0, equals), lights, how);
+    for (const LightEntry& light : other.lights) pictures.push_back(light.image);
     exposures.push_back(*ratio);
 }
 
@@ -126,16 +110,6 @@ Json json_of(const StackReach& r) {
             {"mu_sure_deg", r.mu_sure_deg},
             {"mu_mostly_deg", r.mu_mostly_deg},
             {"mu_widest_deg", r.mu_widest_deg}};
-}
-
-std::string sentence(const StackReach& r, std::size_t lights) {
-    std::ostringstream t;
-    t << std::setprecision(2) << lights << " lights, half vectors " << r.spacing_deg
-      << " deg apart near the normal, out to " << r.reach_deg
-      << " deg: narrow half widths are measured from " << r.mu_sure_deg << " deg (most pixels from "
-      << r.mu_mostly_deg << "), wide ones up to " << r.mu_widest_deg
-      << " deg. Narrower lobes are flagged, not guessed.";
-    return t.str();
 }
 
 class Progress {
@@ -255,11 +229,11 @@ void run(Options o, const Common& common) {
             std::cout << Json{{"lights", lights.lights.size()}, {"reach", json_of(reach)}}.dump(2)
                       << '\n';
         } else {
-            std::cout << sentence(reach, lights.lights.size()) << '\n';
+            std::cout << reach_sentence(reach, lights.lights.size()) << '\n';
         }
         return;
     }
-    if (!common.json) std::cout << sentence(reach, lights.lights.size()) << std::endl;
+    if (!common.json) std::cout << reach_sentence(reach, lights.lights.size()) << std::endl;
     StackRunReport report;
     try {
         const StopOnSignal guard;

@@ -26,10 +26,6 @@ std::string one_line(std::string text) {
     return text.empty() ? "no reason given" : text;
 }
 
-float from_srgb(float v) {
-    return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
-}
-
 struct Photograph {
     fs::path path;
     std::unique_ptr<OIIO::ImageInput> in;
@@ -122,8 +118,15 @@ class Photographs : public TileReader {
                              "unreadable (" + one_line(p.in->geterror()) + ")",
                              "a whole picture; finished tiles are kept");
         }
-        convert(p, rows.data() + (begin - from) * width() * used, used, first,
-                (end - begin) * width(), values, clipped);
+        StoredRows stored{rows.data() + (begin - from) * width() * used,
+                          (end - begin) * width(),
+                          used,
+                          {},
+                          p.step};
+        stored.channels.reserve(p.channels.size());
+        for (const int channel : p.channels)
+            stored.channels.push_back(static_cast<std::size_t>(channel - first));
+        to_signal(stored, options_, values, clipped);
     }
 
   private:
@@ -169,28 +172,6 @@ class Photographs : public TileReader {
         photographs_.push_back(std::move(p));
     }
 
-    void convert(const Photograph& p, const float* rows, std::size_t used, int first,
-                 std::size_t pixels, float* values, std::uint8_t* clipped) const {
-        const auto clip =
-            static_cast<float>(options_.clip > 0 ? options_.clip : 1 - 0.5 * p.step - 1e-7);
-        const auto black = static_cast<float>(options_.black), scale = 1 / (1 - black);
-        const bool srgb = options_.transfer == Transfer::srgb;
-        constexpr float weights[3] = {0.2126F, 0.7152F, 0.0722F};
-        for (std::size_t i = 0; i < pixels; ++i) {
-            float sum = 0;
-            bool over = false;
-            for (std::size_t c = 0; c < p.channels.size(); ++c) {
-                const float stored =
-                    rows[i * used + static_cast<std::size_t>(p.channels[c] - first)];
-                over |= stored >= clip;
-                const float linear = srgb ? from_srgb(stored) : stored;
-                sum += (linear - black) * scale * (p.channels.size() == 1 ? 1.0F : weights[c]);
-            }
-            values[i] = sum;
-            clipped[i] = over ? 1 : 0;
-        }
-    }
-
     PhotographOptions options_;
     std::vector<Photograph> photographs_;
     double variance_ = 0;
@@ -201,10 +182,7 @@ class Photographs : public TileReader {
 std::unique_ptr<TileReader> open_photographs(const std::vector<fs::path>& files,
                                              const PhotographOptions& options) {
     if (files.empty()) throw InputError("photographs", "pictures", "none", "one or more pictures");
-    if (!(options.black >= 0 && options.black < 0.5))
-        throw InputError("photographs", "black", std::to_string(options.black), "0 to 0.5");
-    if (!(options.clip >= 0 && options.clip <= 1e6))
-        throw InputError("photographs", "clip", std::to_string(options.clip), "0 or more");
+    check_signal(options);
     return std::make_unique<Photographs>(files, options);
 }
 
