@@ -56,8 +56,12 @@ struct ByLandmarks {
     double max_residual_mm = 2;
 };
 
-Camera read_camera(Reader& reader, const std::string& where, std::optional<ByLandmarks>& search) {
+Camera read_camera(Reader& reader, const std::string& where, std::optional<ByLandmarks>& search,
+                   SilhouetteSetup& silhouette) {
     Camera camera;
+    silhouette.file = reader.text("silhouette", "a picture", true);
+    silhouette.search_mm =
+        number_or(reader, "search_mm", silhouette.search_mm, 1e-3, 1000, "above 0, to 1000 mm");
     const std::string kind = reader.text("kind", "orthographic or pinhole", false);
     camera.pinhole = kind == "pinhole";
     if (!camera.pinhole && kind != "orthographic")
@@ -299,7 +303,7 @@ CaptureSetup capture_setup_from_toml(std::string_view toml_text,
     std::optional<ByLandmarks> search;
     if (has(reader, "camera")) {
         Reader camera(reader.table("camera"), "camera.", source);
-        setup.camera = read_camera(camera, source.where, search);
+        setup.camera = read_camera(camera, source.where, search, setup.silhouette);
     }
     if (has(reader, "surface")) {
         Reader surface(reader.table("surface"), "surface.", source);
@@ -404,6 +408,10 @@ std::string capture_setup_to_toml(const CaptureSetup& setup) {
             << (c.pinhole ? "focal_px = " : "scale_px_per_mm = ") << number_text(c.scale)
             << "\ncentre_px = " << text(c.centre_px) << "\nposition_mm = " << text(c.position_mm)
             << "\nright = " << text(c.right) << "\ndown = " << text(c.down) << '\n';
+        if (!setup.silhouette.file.empty()) {
+            out << "silhouette = " << quoted(setup.silhouette.file)
+                << "\nsearch_mm = " << number_text(setup.silhouette.search_mm) << '\n';
+        }
     }
     write_surface(out, setup.surface);
     for (const PhotographSetup& p : setup.photographs) {
@@ -441,6 +449,21 @@ std::string capture_setup_to_toml(const CaptureSetup& setup) {
             out << key << " = " << number_text(value) << '\n';
     }
     return out.str();
+}
+
+void refine_camera(CaptureSetup& setup, const std::vector<float>& picture) {
+    if (setup.silhouette.file.empty()) return;
+    const auto* blade = std::get_if<BladeSurface>(&setup.surface);
+    if (blade == nullptr || !setup.camera) {
+        throw InputError(setup.file.string(), "camera.silhouette", setup.silhouette.file,
+                         "a blade (surface.kind), whose outline is known");
+    }
+    SilhouetteOptions options;
+    options.search_mm = setup.silhouette.search_mm;
+    setup.silhouette_fit =
+        refine_on_silhouette(make_katana(blade->parameters, blade->detail), *setup.camera, picture,
+                             setup.camera_fit ? setup.landmarks : std::vector<Landmark>{}, options);
+    setup.camera = setup.silhouette_fit->camera;
 }
 
 SurfaceView view_of(const CaptureSetup& setup) {

@@ -13,7 +13,9 @@
 // | camera.kind | "orthographic" (scale_px_per_mm) or "pinhole" (focal_px) |
 // | camera.width_px, height_px, centre_px, position_mm, right, down | capture/camera.hpp |
 // | ... without position_mm: found by the landmarks; camera.facing: the side that is seen, [0, 1,
-// 0] (omote) where left out; camera.max_residual_mm | | landmark[].name, pixel, point_mm | a place
+// 0] (omote) where left out; camera.max_residual_mm | | camera.silhouette | a picture in which the
+// blade stands out from a plain ground: the pose is refined on its outline; camera.search_mm (4):
+// how far off it may be | | landmark[].name, pixel, point_mm | a place
 // on the blade (capture/camera_pose.hpp names some; others by point_mm) and where it is in the
 // picture | | surface.kind | "plate" (size_mm, bend_radius_mm), "plane" (point_mm, normal,
 // tangent), "blade" (preset, katana.KEY), "none" | | photograph[].file, dark, flat, exposure,
@@ -34,6 +36,7 @@
 #include "capture/camera_pose.hpp"
 #include "capture/camera_surface.hpp"
 #include "capture/diffuse.hpp"
+#include "capture/silhouette.hpp"
 #include "capture/simulate.hpp"
 
 namespace togishi {
@@ -54,6 +57,12 @@ struct PhotographSetup {
     double exposure = 1;
     double flat_exposure = 1;  ///< of the flat frame
     std::optional<DiffuseSource> source;
+};
+
+/// A picture on whose outline the camera is refined (capture/silhouette.hpp); file "": none.
+struct SilhouetteSetup {
+    std::string file;
+    double search_mm = 4;
 };
 
 /// Only for simulations.
@@ -80,6 +89,8 @@ struct CaptureSetup {
     std::optional<Camera> camera;
     std::vector<Landmark> landmarks;
     std::optional<CameraFit> camera_fit;  ///< where the camera was found by the landmarks
+    SilhouetteSetup silhouette;
+    std::optional<SilhouetteFit> silhouette_fit;  ///< where refine_camera has been at work
     CaptureSurface surface;
     std::vector<PhotographSetup> photographs;
     std::vector<ReferenceArea> references;
@@ -94,6 +105,11 @@ struct CaptureSetup {
 [[nodiscard]] CaptureSetup read_capture_setup(const std::filesystem::path& file);
 /// Text that capture_setup_from_toml reads back as the same set-up.
 [[nodiscard]] std::string capture_setup_to_toml(const CaptureSetup& setup);
+
+/// Puts the camera where the outline in `picture` says (one value a pixel, row-major from the upper
+/// left, as setup.silhouette.file has it). Nothing where no such file is named. Throws InputError
+/// where there is no blade, and as refine_on_silhouette.
+void refine_camera(CaptureSetup& setup, const std::vector<float>& picture);
 
 /// The camera's view of the set-up's surface. Throws InputError where there is no camera or no
 /// surface.

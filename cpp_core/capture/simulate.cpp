@@ -252,6 +252,23 @@ std::vector<double> card_radiance(const SurfaceView& view, const Illumination& i
     return radiance;
 }
 
+std::vector<double> picture_against_light(const KatanaMesh& mesh, const Camera& camera) {
+    constexpr std::size_t rays = 3;
+    Camera fine = camera;
+    fine.width_px *= static_cast<int>(rays);
+    fine.height_px *= static_cast<int>(rays);
+    fine.scale *= static_cast<double>(rays);
+    fine.centre_px *= static_cast<double>(rays);
+    const std::vector<std::uint8_t> seen = view_of_mesh(mesh, fine).seen;
+    const auto width = static_cast<std::size_t>(camera.width_px);
+    std::vector<double> picture(width * static_cast<std::size_t>(camera.height_px), 0.0);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const std::size_t y = i / (rays * width), x = i - y * rays * width;
+        if (seen[i] == 0) picture[y / rays * width + x / rays] += 1.0 / (rays * rays);
+    }
+    return picture;
+}
+
 void blur_picture(std::vector<double>& picture, int width, int height, double sigma_px) {
     if (!(sigma_px > 0)) return;
     const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma_px)));

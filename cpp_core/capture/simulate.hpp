@@ -66,6 +66,11 @@ struct RadianceOptions {
 [[nodiscard]] std::vector<double> card_radiance(const SurfaceView& view,
                                                 const Illumination& illumination);
 
+/// A blade before an even light, the ground 1 and the blade 0, three by three rays a pixel: for
+/// `expose`, as a picture of the outline.
+[[nodiscard]] std::vector<double> picture_against_light(const KatanaMesh& mesh,
+                                                        const Camera& camera);
+
 struct SensorOptions {
     double scale = 1;       ///< picture value per radiance; full scale is 1
     double blur_px = 0.6;   ///< standard deviation of the point spread function

@@ -16,6 +16,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "capture/diffuse_run.hpp"
+#include "cli/capture_camera.hpp"
 #include "cli/commands.hpp"
 #include "image/float_image.hpp"
 #include "image/map_file.hpp"
@@ -178,6 +179,7 @@ Json compare(const DiffuseResult& result, const std::string& path) {
 
 void run(Options o, const Common& common) {
     CaptureSetup setup = read_capture_setup(o.setup);
+    if (!o.plan) refine_camera_on_picture(setup);
     if (!o.only.empty()) choose(setup, o.only);
     if (!o.material.empty()) setup.material = o.material;
     take_material(setup, o.hadori, o.diffuse);

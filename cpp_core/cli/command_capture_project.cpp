@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "capture/diffuse_setup.hpp"
 #include "capture/project.hpp"
+#include "cli/capture_camera.hpp"
 #include "cli/commands.hpp"
 #include "image/float_image.hpp"
 #include "image/map_file.hpp"
@@ -65,11 +66,12 @@ void run(Options o, const Common& common) {
     Json cameras = Json::array();
     std::optional<KatanaMesh> mesh;
     for (std::size_t k = 0; k < o.setups.size(); ++k) {
-        const CaptureSetup setup = read_capture_setup(o.setups[k]);
+        CaptureSetup setup = read_capture_setup(o.setups[k]);
         const auto* blade = std::get_if<BladeSurface>(&setup.surface);
         if (blade == nullptr)
             throw InputError(o.setups[k], "surface", "no blade", "surface.kind = \"blade\"");
         if (!setup.camera) throw InputError(o.setups[k], "camera", "missing", "a table [camera]");
+        refine_camera_on_picture(setup);
         if (!mesh) mesh = make_katana(blade->parameters, blade->detail);
         ProjectedMap photograph;
         photograph.maps = read_map_file(o.maps[k]).levels.front();
@@ -82,6 +84,12 @@ void run(Options o, const Common& common) {
             camera["rms_mm"] = setup.camera_fit->rms_mm;
             for (std::size_t l = 0; l < setup.landmarks.size(); ++l)
                 camera["residual_mm"][setup.landmarks[l].name] = setup.camera_fit->residual_mm[l];
+        }
+        if (const auto& outline = setup.silhouette_fit) {
+            camera["outline"] = {{"rms_mm", outline->rms_mm},
+                                 {"p90_mm", outline->p90_mm},
+                                 {"before_rms_mm", outline->before_rms_mm},
+                                 {"points", outline->points}};
         }
         cameras.push_back(camera);
     }
@@ -116,10 +124,18 @@ void run(Options o, const Common& common) {
     }
     std::cout << o.output << ": " << result.on_blade << " texels on the blade, " << result.holes
               << " of them holes (coverage 0 in " << coverage_file << ")\n";
-    for (const auto& camera : cameras)
+    for (const auto& camera : cameras) {
+        const auto name = camera["setup"].get<std::string>();
         if (camera.contains("rms_mm"))
-            std::cout << "  " << camera["setup"].get<std::string>() << ": landmarks within "
-                      << camera["rms_mm"].get<double>() << " mm rms\n";
+            std::cout << "  " << name << ": landmarks within " << camera["rms_mm"].get<double>()
+                      << " mm rms\n";
+        if (camera.contains("outline")) {
+            const auto& outline = camera["outline"];
+            std::cout << "  " << name << ": outline within " << outline["rms_mm"].get<double>()
+                      << " mm rms, " << outline["p90_mm"].get<double>() << " mm on 90 %, before "
+                      << outline["before_rms_mm"].get<double>() << " mm\n";
+        }
+    }
 }
 
 }  // namespace

@@ -292,6 +292,13 @@ void run(Options o, const Common& common) {
     }
     write_truth(folder / "truth.exr", view, truth);
     files.emplace_back("truth.exr");
+    if (const auto* blade = std::get_if<BladeSurface>(&setup.surface)) {
+        SensorOptions light = sensor;
+        light.scale = 0.85;
+        light.vignetting = 0;
+        write(picture_against_light(make_katana(blade->parameters, blade->detail), camera), light,
+              "silhouette");
+    }
     setup.photographs = taken;
     setup.noise = sensor;
     if (stack) {

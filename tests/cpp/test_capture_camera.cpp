@@ -122,24 +122,13 @@ TEST(CaptureCamera, DegenerateLandmarksAreRefusedWithTheReason) {
     EXPECT_THROW((void)blade_landmark(blade(), "habaki"), InputError);
 }
 
-// A dark blade before a bright ground, or the other way round, as a camera sees it: three by three
-// rays a pixel, blurred, with noise.
+// A dark blade before a bright ground, or the other way round, blurred, with noise.
 std::vector<float> outlined(const Camera& camera, double ground, double steel) {
-    Camera fine = camera;
-    fine.width_px *= 3;
-    fine.height_px *= 3;
-    fine.scale *= 3;
-    fine.centre_px *= 3;
-    const std::vector<std::uint8_t> seen = view_of_mesh(blade(), fine).seen;
-    std::vector<double> value(
-        static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px), 0);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(fine.height_px); ++y) {
-        for (std::size_t x = 0; x < static_cast<std::size_t>(fine.width_px); ++x) {
-            const auto width = static_cast<std::size_t>(camera.width_px);
-            // Uneven, as steel under a lamp is.
-            const double bright = steel * (0.8 + 0.2 * std::sin(0.01 * static_cast<double>(x)));
-            value[y / 3 * width + x / 3] += (seen[y * 3 * width + x] != 0 ? bright : ground) / 9;
-        }
+    std::vector<double> value = picture_against_light(blade(), camera);
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        const auto x = static_cast<double>(i % static_cast<std::size_t>(camera.width_px));
+        // Uneven, as steel under a lamp is.
+        value[i] = value[i] * ground + (1 - value[i]) * steel * (0.8 + 0.2 * std::sin(0.03 * x));
     }
     SensorOptions sensor;
     sensor.blur_px = 0.8;
