@@ -64,22 +64,32 @@ def read_required(path: Path) -> Required:
 def problems(rows: Iterable[Row], required: Required) -> list[str]:
     """Sentences; none where every figure is there, is a number, and keeps what is promised."""
     by_id = {row.id: row for row in rows}
+    measured = {name.split(".")[0] for name in by_id}
     found = []
+    unmeasured: dict[str, int] = {}
     for demand in required.rows:
         row = by_id.get(demand.id)
-        if row is None:
+        area = demand.id.split(".")[0]
+        if area not in measured:
+            unmeasured[area] = unmeasured.get(area, 0) + 1
+        elif row is None:
             found.append(f"{demand.id} is missing ({demand.what})")
         elif (row.op, row.bound) != (demand.op, demand.bound):
-            measured = "no bound" if row.bound is None else f"{row.op} {row.bound:g}"
+            held = "no bound" if row.bound is None else f"{row.op} {row.bound:g}"
             found.append(
-                f"{demand.id} is held to {measured}, but what is promised is {demand.op} {demand.bound:g}"
+                f"{demand.id} is held to {held}, but what is promised is {demand.op} {demand.bound:g}"
             )
     for family in required.families:
         members = sum(name.startswith(family.prefix) for name in by_id)
-        if members < family.at_least:
+        area = family.prefix.split(".")[0]
+        if members < family.at_least and area not in unmeasured:
             found.append(
                 f"{family.prefix}* has {members} rows, at least {family.at_least} are wanted ({family.what})"
             )
+    found += [
+        f"nothing of the area {area} was measured, {count} rows are wanted: make results AREA={area}"
+        for area, count in unmeasured.items()
+    ]
     for row in by_id.values():
         if not math.isfinite(row.value):
             found.append(f"{row.id} is {row.value}: nothing was measured")
