@@ -99,7 +99,8 @@ def _log_axes(axes: Axes) -> None:
 
 
 def _place_labels(axes: Axes, points: list[Simplification], emphasised: set[str]) -> None:
-    """Each label where it meets no point and no other label, tried around its point; else a little further off."""
+    """Each label where it meets no point and no other label, tried around its point; else a little further off. Points
+    that lie on one another share a label."""
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
     spots = axes.transData.transform([(p.time_ns, p.error) for p in points])
@@ -108,20 +109,32 @@ def _place_labels(axes: Axes, points: list[Simplification], emphasised: set[str]
     around += [(0, 10, "center"), (0, -18, "center"), (12, 16, "left"), (-12, 16, "right")]
     around += [(14, -24, "left"), (-14, -24, "right"), (0, 24, "center"), (18, 30, "left")]
     inside = axes.get_window_extent()
-    for point, own in zip(points, list(taken), strict=True):
+    together: list[list[int]] = []
+    for index, spot in enumerate(spots):
+        near = (g for g in together if np.abs(spots[g[0]] - spot).max() < 8)
+        group = next(near, None)
+        if group is None:
+            together.append([index])
+        else:
+            group.append(index)
+    # The tall labels first: they find room hardest.
+    for group in sorted(together, key=len, reverse=True):
+        point = points[group[0]]
+        names = [points[index].name for index in group]
         best = None
         for dx, dy, side in around:
             label = axes.annotate(
-                point.name,
+                "\n".join(names),
                 (point.time_ns, point.error),
                 (dx, dy),
                 textcoords="offset points",
                 ha=side,
                 fontsize=9,
-                color=INK if point.name in emphasised else SOFT,
+                color=INK if emphasised & set(names) else SOFT,
             )
             box = label.get_window_extent(renderer)
-            others = [t for t in taken if t is not own]
+            members = [taken[index] for index in group]
+            others = [t for t in taken if not any(t is m for m in members)]
             hits = sum(box.overlaps(t) for t in others) + 3 * (
                 box.x0 < inside.x0 or box.x1 > figure.bbox.x1 - 4
             )

@@ -157,7 +157,7 @@ def test_a_command_that_fails_does_not_leave_old_figures(bench, capsys):
     printed = capsys.readouterr().out
     assert "speed.py ended with exit code 1" in printed
     assert "no GPU here" in printed
-    assert "nothing of the area speed was measured, 1 rows are wanted" in printed
+    assert "nothing of the area speed was measured" in printed
     assert not (bench.out / "speed.json").exists()
 
 
