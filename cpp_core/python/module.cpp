@@ -17,6 +17,9 @@ PYBIND11_MODULE(togishi_core, m) {
     togishi::bind_steel(m);
     togishi::bind_fit(m);
     togishi::bind_plot(m);
+    togishi::bind_capture_diffuse(m);
+    togishi::bind_capture_lights(m);
+    togishi::bind_capture_project(m);
     togishi::bind_reference(m);
     togishi::bind_formulas(m);
 }

@@ -11,6 +11,9 @@ void bind_blade(pybind11::module_& m);
 void bind_steel(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_plot(pybind11::module_& m);
+void bind_capture_diffuse(pybind11::module_& m);
+void bind_capture_lights(pybind11::module_& m);
+void bind_capture_project(pybind11::module_& m);
 void bind_reference(pybind11::module_& m);
 void bind_formulas(pybind11::module_& m);
 

@@ -275,6 +275,127 @@ def material_from_fits(
     """The base material (default: the default material) with the fitted parts and their records (key "fit").
     An absolute weight makes the material's weights measured; a relative one stays in the record."""
 
+# --- photographs: docs/capture.md, docs/capture_diffuse.md ------------------------------------------
+
+class CaptureSetup:
+    """Photographs under diffuse light and how they were taken (cpp_core/capture/diffuse_setup.hpp). Read-only."""
+
+    file: str
+    material: str
+    surface: str  # "none", "plate", "plane" or "blade"
+    camera: dict[str, Any] | None
+    """{"kind", "width_px", "height_px", "scale" (px/mm, or focal length in px), "centre_px", "position_mm", "right",
+    "down"} as in cpp_core/capture/camera.hpp; None: not stated."""
+    camera_fit: dict[str, Any] | None  # as camera_from_landmarks, where it was found by landmarks
+    landmarks: list[dict[str, Any]]  # [{"name", "point_mm", "pixel"}]
+    files: list[str]  # of the photographs, absolute or relative to the working folder
+
+    def to_toml(self) -> str:
+        """Text that parse_capture_setup reads back."""
+
+def parse_capture_setup(text: str, name: str = "text") -> CaptureSetup:
+    """The text of a set-up. name: where it came from; its folder is where pictures are looked for."""
+
+def read_capture_setup(path: str) -> CaptureSetup:
+    """A set-up's file (TOML). InputError names file, line and field."""
+
+def capture_diffuse_plan(setup: CaptureSetup, options: Mapping[str, Any] = {}) -> dict[str, Any]:
+    """What the set-up can tell, before anything is photographed; no picture is read. {"mu_deg" (K), "mu_share" (K),
+    "sigma_ln_mu" (K; inf: not at all), "w_share", "blind", "sentences", "photographs" [{"radiance" (K),
+    "flat_at_deg"}], "picture" (H, W, 3) uint8}. options: as capture_diffuse."""
+
+def capture_diffuse(
+    setup: CaptureSetup,
+    read_picture: Callable[[str], tuple[F32, bool]],
+    options: Mapping[str, Any] = {},
+    *,
+    progress: Callable[[float], Any] | None = None,
+) -> dict[str, Any]:
+    """Maps of w and half widths from photographs under diffuse light.
+
+    read_picture: path -> ((H, W) or (H, W, C) array, the top row first, full scale 1; whether the file holds whole
+    numbers, which clip at 1). options, as those of `togishi capture diffuse`: material, hadori, no_geometry, spread,
+    known_spread, model_error, max_sigma_w, max_sigma_ln_mu, border_px, threads. progress: called with the share done;
+    returning False cancels with InterruptedError.
+    {"maps" channel -> (H, W), row 0 the lowest; "quality" {"sigma.w", "sigma.ji.ln_mu_deg", "sigma.ha.ln_mu_deg",
+    "sigma.h", "chi2", "mask"} and "usable" (H, W) bool, the top row first; "seen", "masked_w", "masked_mu" pixels,
+    "masked" reason -> pixels, "mu_measured", "calibration", "source", "notes", "pictures" {"w"; "mu" where measured}
+    (H, W, 3) uint8}."""
+
+CAPTURE_CHANNELS: list[str]
+"""N.X N.Y N.Z lobe.ln_mu_deg … flags: of a map from many known lights (docs/capture.md, "What comes out")."""
+
+class CaptureTiles:
+    """What capture_lights finished, kept on disk beside its target."""
+
+    width: int
+    height: int
+    bands: int
+    report: dict[str, Any]
+    """{"reach" as capture_lights_plan, "lights", "pictures", "bands_resumed", "flagged", "inferred", "reasons" reason ->
+    pixels, "calibration_rms_deg" or None, "seconds_reading", "seconds_fitting"}."""
+
+    def read(self, band: int) -> F32:
+        """(rows, width, CAPTURE_CHANNELS), the top row first."""
+
+    def property_maps(self) -> dict[str, Any]:
+        """{"maps", "usable"} as capture_project takes them, frame "image": ji and ha both have the measured lobe, w
+        says by which model it was fitted."""
+
+    def remove(self) -> None:
+        """Deletes the file: what was read of it stands elsewhere."""
+
+def capture_lights_plan(path: str, options: Mapping[str, Any] = {}) -> dict[str, Any]:
+    """What a set-up of many known lights (.lp) can see; no picture is read. {"lights", "pictures" (paths, exposure by
+    exposure), "spacing_deg", "reach_deg", "mu_sure_deg", "mu_mostly_deg", "mu_widest_deg", "sentence"}."""
+
+def capture_lights(
+    path: str,
+    photographs: Any,
+    target: str,
+    options: Mapping[str, Any] = {},
+    *,
+    progress: Callable[[float], Any] | None = None,
+) -> CaptureTiles:
+    """Normal, lobe and albedo of each pixel from photographs under many known lights.
+
+    photographs: an object with width, height, step (of quantisation, full scale 1; 0: floats), fingerprint (text: which
+    files these are) and read(picture, begin, end) -> rows (N, W) or (N, W, C) as stored, in the order of
+    capture_lights_plan's pictures, asked from several threads. target: the file that is to be written from the result;
+    finished bands stay beside it. options, as those of `togishi capture lights`: positions, intensities, brackets
+    [(path, ratio)], mm_per_pixel, origin_px, camera_distance_mm, view, normal, model, metal, light, light_error_deg,
+    self_calibrate, transfer, black, clip, snr, read_noise, white_patch, white_reflectance, pedestal, haze_width, prior
+    (mu_t, mu_b, rho), prior_sigma, effort, threads, memory_mib, band_rows. progress: called ten times a second with the
+    share done; returning False stops with InterruptedError, and the same call goes on from there."""
+
+def blade_landmarks(katana_parameters: Mapping[str, Any]) -> dict[str, tuple[float, float, float]]:
+    """Places that every generated blade has (tip, ha_machi, mune_machi, …): name -> (x, y, z) in mm in its frame."""
+
+def camera_from_landmarks(
+    landmarks: list[Mapping[str, Any]],
+    width_px: int,
+    height_px: int,
+    kind: str = "orthographic",
+    facing: tuple[float, float, float] = (0, 1, 0),
+    max_residual_mm: float = 2.0,
+) -> dict[str, Any]:
+    """The camera of a photograph from [{"name", "point_mm", "pixel"}] (pixels from the upper left corner): orthographic
+    by 4 or more, pinhole by 6 or more not in one plane. {"camera", "residual_mm", "residual_px", "rms_mm"}. facing:
+    from the blade to the camera, roughly (orthographic). InputError where they do not determine it, naming why."""
+
+def capture_project(
+    katana_parameters: Mapping[str, Any],
+    photographs: list[Mapping[str, Any]],
+    width: int = 4096,
+    height: int = 512,
+    *,
+    feather_px: float = 0.0,
+    detail: float = 1.0,
+) -> dict[str, Any]:
+    """Maps of photographs onto the blade's own chart. photographs: [{"maps" (row 0 the lowest), "camera", "usable" (top
+    row first, may be left out), "frame": "surface" or "image"}]. {"maps", "coverage" (H, W; 0: a hole), "on_blade" and
+    "holes" texels}. feather_px: over which a photograph fades towards its border; 0: all of it."""
+
 # --- the shared formulas, for tests -------------------------------------------------------------
 
 def formula_names() -> list[str]:
