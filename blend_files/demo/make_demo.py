@@ -27,6 +27,7 @@ from togishi import blender_versions  # noqa: E402
 from togishi.core import bake_cost  # noqa: E402
 
 WHOLE, CLOSE, COMPARED = (1600, 360), (1200, 520), (960, 416)
+BESIDE = {WHOLE: (800, 180), CLOSE: (480, 208)}  # sizes of the references beside them
 MIDDLE_MM, CLOSE_UP_MM = 262.0, 430.0
 SAMPLES = 16
 CLOSE_UP_LAMPS_MM = (330.0, 530.0)
@@ -93,6 +94,22 @@ class Demo:
             f"{caption} {shot.seconds:.1f} s.",
         )
 
+    def beside(self, name: str, size: tuple[int, int]) -> list[Picture]:
+        """The reference of the last picture, smaller, with the same exposure, and the difference from our renderer's."""
+        result = studio.compare(self.scene, BESIDE[size])
+        return [
+            self.save(
+                f"{name}_reference.png",
+                pictures.to_display(result.reference_rgb, self.exposure),
+                f"Reference: 61 wavelengths summed in double precision. {result.reference_seconds:.1f} s.",
+            ),
+            self.save(
+                f"{name}_difference.png",
+                pictures.difference_map(result.delta_e, DIFFERENCE_SCALE),
+                f"ΔE00, black 0 to yellow {DIFFERENCE_SCALE}; largest {result.worst:.3f}.",
+            ),
+        ]
+
     def whole(self) -> Section:
         studio.aim_camera(self.scene, self.blade, MIDDLE_MM, 1010.0)
         studio.light(self.scene, self.blade, 9.0, lamps=(31, 1), room=0.08)
@@ -100,7 +117,7 @@ class Demo:
         return Section(
             "The whole blade",
             "The ji mirrors the dark room and is nearly black; the ha, five degrees rough, still catches the lamps.",
-            [[self.shoot("whole", WHOLE, caption)]],
+            [[self.shoot("whole", WHOLE, caption)], self.beside("whole", WHOLE)],
         )
 
     def hamon(self) -> Section:
@@ -124,6 +141,7 @@ class Demo:
                 room=0.25,
             )
             shown.append([self.shoot(f"hamon_{name}", CLOSE, f"{text} {angle:.0f}°,", 99.9)])
+            shown.append(self.beside(f"hamon_{name}", CLOSE))
         return Section(
             "The hamon, as the lamp moves",
             "72 mm of the blade under a small soft box. Each picture has its own exposure, as an eye would.",
@@ -153,12 +171,14 @@ class Demo:
         kept = {p: (getattr(settings, p).mu_t_deg, getattr(settings, p).mu_b_deg) for p in PARTS}
         anisotropic = self.shoot("anisotropic", CLOSE, "As polished,")
         exposure = self.exposure
+        beside_anisotropic = self.beside("anisotropic", CLOSE)
         try:
             for part, (mu_t_deg, mu_b_deg) in kept.items():
                 lobe = getattr(settings, part)
                 lobe.mu_t_deg = lobe.mu_b_deg = (mu_t_deg * mu_b_deg) ** 0.5
             studio.bake(self.blade)
             shot = studio.shoot(self.scene, self.out, CLOSE, "TOGISHI", SAMPLES)
+            beside_isotropic = self.beside("isotropic", CLOSE)
         finally:
             for part, (mu_t_deg, mu_b_deg) in kept.items():
                 lobe = getattr(settings, part)
@@ -173,7 +193,7 @@ class Demo:
             "Anisotropic and isotropic",
             "The polisher's strokes scatter light across themselves: highlights are long across the strokes. Three lamps, "
             "and their flashes in the ji.",
-            [[anisotropic, isotropic]],
+            [[anisotropic, isotropic], beside_anisotropic, beside_isotropic],
         )
 
     def spectra(self) -> Section:

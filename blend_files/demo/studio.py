@@ -111,7 +111,9 @@ def light(
     turns = off_mirror_deg + 1.6 * (np.arange(lamps[1]) - 0.5 * (lamps[1] - 1))
     power_w = 10.0 / (lamps[0] * lamps[1])
     chosen = tuple(
-        Lamp(f"Lamp {i}.{j}", "POINT", float(place), float(turn), 1.6, power_w, spectrum)
+        Lamp(
+            f"Lamp {i}.{j}", "POINT", float(place), float(turn), 1.6, power_w, spectrum, radius=0.0
+        )
         for i, place in enumerate(places)
         for j, turn in enumerate(turns)
     )
