@@ -16,6 +16,7 @@ from types import ModuleType
 _MODULE_NAMES = (
     "properties",
     "measurement",
+    "photographs",
     "engine",
     "nodes",
     "operators",

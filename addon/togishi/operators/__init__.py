@@ -10,8 +10,10 @@ from . import (
     blade_material,
     connect_nodes,
     fit_measurement,
+    landmarks,
     light_preset,
     map_files,
+    photographs,
     rebake_pattern,
 )
 
@@ -24,6 +26,8 @@ _CLASSES = tuple(
         light_preset,
         connect_nodes,
         fit_measurement,
+        photographs,
+        landmarks,
     )
     for cls in module.CLASSES
 )

@@ -9,12 +9,21 @@ from . import (
     light_panels,
     material_panels,
     native_panels,
+    photograph_panels,
     render_panels,
     shared_panels,
     view_panels,
 )
 
-_MODULES = (native_panels, material_panels, light_panels, render_panels, view_panels, fit_panels)
+_MODULES = (
+    native_panels,
+    material_panels,
+    light_panels,
+    render_panels,
+    view_panels,
+    fit_panels,
+    photograph_panels,
+)
 
 
 def register() -> None:

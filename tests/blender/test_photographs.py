@@ -1,0 +1,294 @@
+"""Photographs to maps in the add-on: plan, run, stop, landmarks, the camera, maps onto the blade, undo, refusals."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import bpy
+import numpy as np
+import pytest
+from ui_fixtures import add_katana, addon  # noqa: F401
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+from togishi import blade_object, map_files, photographs, properties  # noqa: E402
+from togishi.core import landmarks, native  # noqa: E402
+from togishi.core import photographs as files  # noqa: E402
+from togishi.operators.landmarks import PLACES  # noqa: E402
+
+WIDTH, HEIGHT, SCALE = 400, 40, 0.5  # px, px, px/mm
+MIDDLE_MM = np.array([368.0, 0.0, -12.0])
+
+
+def pixel_of(point_mm) -> tuple[float, float]:
+    """An orthographic camera that faces omote: the tip is on the left."""
+    x, _y, z = np.asarray(point_mm) - MIDDLE_MM
+    return WIDTH / 2 - SCALE * x, HEIGHT / 2 - SCALE * z
+
+
+def image_io():
+    oiio = map_files.open_image_io()
+    assert oiio is not None
+    return oiio
+
+
+CAMERA = f"""
+[camera]
+kind = "orthographic"
+width_px = {WIDTH}
+height_px = {HEIGHT}
+"""
+STATED = f"""scale_px_per_mm = {SCALE}
+centre_px = [{WIDTH / 2}, {HEIGHT / 2}]
+position_mm = {MIDDLE_MM.tolist()}
+right = [-1.0, 0.0, 0.0]
+down = [0.0, 0.0, -1.0]
+"""
+SETUP = """
+[surface]
+kind = "blade"
+detail = 0.02
+
+[[photograph]]
+file = "left é.exr"
+[photograph.source]
+kind = "rectangle"
+centre_mm = [368.0, 700.0, -120.0]
+half_u_mm = [600.0, 0.0, 0.0]
+half_v_mm = [0.0, 10.0, 60.0]
+
+[[photograph]]
+file = "right.exr"
+[photograph.source]
+kind = "rectangle"
+centre_mm = [368.0, 700.0, 0.0]
+half_u_mm = [600.0, 0.0, 0.0]
+half_v_mm = [0.0, 0.0, 60.0]
+"""
+HEAD = "format = 1\nscale = 1.0\n[noise]\nsnr = 100.0\nread = 3e-4\nbits = 12\n"
+
+
+def write_setup(folder, camera=STATED):
+    for index, name in enumerate(("left é.exr", "right.exr")):
+        picture = np.full((HEIGHT, WIDTH, 1), 0.1 + 0.1 * index, np.float32)
+        files.write_planes(image_io(), folder / name, ["Y"], picture)
+    path = folder / "setup.toml"
+    path.write_text(HEAD + CAMERA + camera + SETUP, encoding="utf-8")
+    return path
+
+
+def write_stack(folder, count=16):
+    """Flat steel of one wide lobe: the same picture value for lights that stand alike about the normal."""
+    angle = 2.399963 * np.arange(count)
+    zenith = np.radians(6.0 + 40.0 * np.sqrt((np.arange(count) + 0.5) / count))
+    lines = [str(count)]
+    for index in range(count):
+        direction = (
+            np.sin(zenith[index]) * np.cos(angle[index]),
+            np.sin(zenith[index]) * np.sin(angle[index]),
+            np.cos(zenith[index]),
+        )
+        signal = 0.8 * np.exp(-np.log(2.0) * (np.degrees(zenith[index]) / 2.0 / 8.0) ** 2)
+        picture = np.full((HEIGHT, WIDTH, 1), signal, np.float32)
+        files.write_planes(image_io(), folder / f"{index}.exr", ["Y"], picture)
+        lines.append(f"{index}.exr " + " ".join(f"{v:.9f}" for v in direction))
+    path = folder / "stack.lp"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def choose(path, **settings):
+    assert bpy.ops.scene.togishi_photographs(filepath=str(path), **settings) == {"FINISHED"}
+    return bpy.context.scene.togishi_photographs
+
+
+def mark(names) -> None:
+    """Adds landmarks by name and marks each where the camera sees it."""
+    kept = bpy.context.scene.togishi_photographs
+    for name in names:
+        assert bpy.ops.scene.togishi_landmark_add(place=name) == {"FINISHED"}
+        pixel = pixel_of(kept.landmarks[kept.active_landmark].point_mm)
+        assert bpy.ops.image.togishi_landmark_mark(pixel=pixel) == {"FINISHED"}
+
+
+FOUR = ("tip", "ha_machi", "mune_machi", "yokote_edge")
+
+
+def test_places_are_the_cores():
+    places = native.core().blade_landmarks(native.core().katana_defaults())
+    assert [name for name, _label, _tip in PLACES] == list(places)
+
+
+def test_diffuse_plan_run_apply_and_undo(tmp_path):
+    bpy.context.preferences.edit.use_global_undo = True
+    material = blade_object.blade_material(add_katana()).name
+    kept = choose(write_setup(tmp_path))
+    # What it can see is said before anything is evaluated.
+    assert kept.plan and not kept.found
+    assert kept.plan_image.size[0] == 1200
+    assert tuple(kept.photograph.size) == (WIDTH, HEIGHT)
+    assert json.loads(kept.camera_json)["scale"] == SCALE
+    assert not bpy.ops.scene.togishi_photographs_apply.poll()
+    assert bpy.ops.scene.togishi_photographs_run() == {"FINISHED"}
+    assert "w is told on" in kept.found and "μ is told on" in kept.found
+    for image in (kept.w_image, kept.mu_image):
+        assert tuple(image.size) == (WIDTH, HEIGHT) and image.packed_file is not None
+    maps = map_files.load(tmp_path / "setup-maps.exr")
+    assert maps["w"].shape == (HEIGHT, WIDTH)
+    usable = files.read_plane(image_io(), tmp_path / "setup-maps-quality.exr", "usable")
+    mask = files.read_plane(image_io(), tmp_path / "setup-maps-quality.exr", "mask")
+    assert ((usable > 0.5) <= ((mask.astype(int) & 1) == 0)).all()
+    bpy.ops.ed.undo_push(message="before")
+    usable[:] = (mask.astype(int) & 1) == 0
+    files.write_planes(
+        image_io(), tmp_path / "setup-maps-quality.exr", ["usable"], usable[..., None]
+    )
+    assert bpy.ops.scene.togishi_photographs_apply() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="applied")
+    settings = bpy.data.materials[material].togishi
+    assert tuple(settings.lobes_image.size) == photographs.MAP_SIZE
+    bpy.ops.ed.undo()
+    assert bpy.data.materials[material].togishi.lobes_image is None
+
+
+def test_a_stack_of_many_lights_runs(tmp_path):
+    kept = choose(write_stack(tmp_path), light_error_deg=0.2)
+    assert "half vectors" in kept.plan
+    assert bpy.ops.scene.togishi_photographs_run() == {"FINISHED"}
+    assert "flagged" in kept.found
+    spec = image_io().ImageInput.open(str(tmp_path / "stack-lights.exr")).spec()
+    assert set(spec.channelnames) == set(native.core().CAPTURE_CHANNELS)
+    found = files.read_plane(image_io(), tmp_path / "stack-lights.exr", "lobe.ln_mu_deg")
+    # The pictures' half width over the half vector is 8 degrees.
+    assert np.exp(np.median(found)) == pytest.approx(8.0, rel=0.15)
+    # Nothing of the run is left beside the maps.
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_stopping_keeps_the_scene(tmp_path):
+    kept = choose(write_stack(tmp_path))
+    job = photographs.RunJob(photographs.state_of(kept))
+    job.cancel()
+    job.start()
+    with pytest.raises(InterruptedError):
+        job.result()
+    assert not photographs.is_running()
+    assert not kept.found and not (tmp_path / "stack-lights.exr").exists()
+
+
+def test_a_run_leaves_the_main_thread_free(tmp_path):
+    kept = choose(write_stack(tmp_path))
+    job = photographs.RunJob(photographs.state_of(kept))
+    job.start()
+    turns = 0
+    while not job.done:
+        turns += 1
+        time.sleep(0.001)
+    assert turns > 5
+    assert job.result()["frame"] == "image"
+
+
+def test_landmarks_give_the_camera(tmp_path):
+    add_katana()
+    kept = choose(write_stack(tmp_path))
+    mark(FOUR)
+    assert bpy.ops.scene.togishi_camera_solve() == {"FINISHED"}
+    camera = json.loads(kept.camera_json)
+    assert camera["scale"] == pytest.approx(SCALE, rel=1e-3)
+    assert kept.rms_mm < 0.01
+    assert all(0.0 <= one.residual_mm < 0.05 for one in kept.landmarks)
+    # A mark that is 1 mm off is seen in its residual.
+    kept.active_landmark = 0
+    x, y = pixel_of(kept.landmarks[0].point_mm)
+    bpy.ops.image.togishi_landmark_mark(pixel=(x, y + 1.0 * SCALE))
+    assert not kept.camera_json and kept.rms_mm < 0.0
+    bpy.ops.scene.togishi_landmark_add(place="yokote_ridge")
+    bpy.ops.image.togishi_landmark_mark(pixel=pixel_of(kept.landmarks[4].point_mm))
+    bpy.ops.scene.togishi_camera_solve()
+    assert 0.05 < kept.rms_mm < 1.0
+    # They are saved with the file.
+    before = [(one.name, tuple(one.pixel), one.residual_mm) for one in kept.landmarks]
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "marks.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "marks.blend"))
+    kept = bpy.context.scene.togishi_photographs
+    assert [(one.name, tuple(one.pixel), one.residual_mm) for one in kept.landmarks] == before
+    bpy.ops.scene.togishi_landmark_remove()
+    assert len(kept.landmarks) == 4 and not kept.camera_json
+
+
+def test_a_set_up_takes_its_camera_from_landmarks(tmp_path):
+    add_katana()
+    kept = choose(write_setup(tmp_path, camera=""))
+    assert "landmarks" in kept.plan and not kept.camera_json
+    mark(FOUR)
+    assert bpy.ops.scene.togishi_photographs_plan() == {"FINISHED"}
+    assert json.loads(kept.camera_json)["scale"] == pytest.approx(SCALE, rel=1e-3)
+    assert 0.0 <= kept.rms_mm < 0.01
+    assert kept.landmarks[0].residual_mm >= 0.0
+
+
+def test_degenerate_landmarks_are_refused_with_the_cores_sentence(tmp_path):
+    add_katana()
+    choose(write_stack(tmp_path))
+    mark(FOUR[:2])
+    with pytest.raises(RuntimeError, match="The camera cannot be found: landmarks"):
+        bpy.ops.scene.togishi_camera_solve()
+    kept = bpy.context.scene.togishi_photographs
+    for _ in range(2):
+        bpy.ops.scene.togishi_landmark_remove()
+    # Points of the edge that stand nearly on a line.
+    for step in range(4):
+        added = kept.landmarks.add()
+        added.name, added.has_point, added.has_pixel = f"edge {step}", True, True
+        added.point_mm = (100.0 * step, 0.0, 0.0)
+        added.pixel = pixel_of(added.point_mm)
+    with pytest.raises(RuntimeError, match="on a line"):
+        bpy.ops.scene.togishi_camera_solve()
+    assert not kept.camera_json
+
+
+def test_a_pick_snaps_to_places_and_to_the_edge():
+    blade = add_katana()
+    kept = bpy.context.scene.togishi_photographs
+    parameters = properties.katana_parameters(blade)
+    tip = np.array(native.core().blade_landmarks(parameters)["tip"])
+    assert bpy.ops.view3d.togishi_landmark_pick(point_mm=np.add(tip, [-1.0, 0.5, 1.0])) == {
+        "FINISHED"
+    }
+    assert kept.landmarks[0].name == "tip"
+    np.testing.assert_allclose(kept.landmarks[0].point_mm, tip, atol=1e-3)
+    mesh = blade_object.make(parameters, blade.togishi.detail)
+    edge = landmarks.edge_points(mesh.positions_mm, mesh.s_mm, mesh.t_mm)
+    middle = edge[len(edge) // 2]
+    # The cutting edge: below the mune all along, in the blade's middle plane.
+    assert len(edge) > 10 and (np.abs(edge[:, 1]) < 1e-3).all() and (np.diff(edge[:, 0]) > 0).all()
+    bpy.ops.view3d.togishi_landmark_pick(point_mm=np.add(middle, [0.5, 1.0, 1.0]))
+    assert kept.landmarks[1].name.startswith("edge at ")
+    np.testing.assert_allclose(kept.landmarks[1].point_mm, middle, atol=1e-3)
+    inside = np.add(middle, [0.0, 2.0, 12.0])
+    bpy.ops.view3d.togishi_landmark_pick(point_mm=inside)
+    np.testing.assert_allclose(kept.landmarks[2].point_mm, inside, atol=1e-3)
+
+
+def test_bad_input_changes_nothing(tmp_path):
+    kept = bpy.context.scene.togishi_photographs
+    path = write_stack(tmp_path)
+    text = path.read_text()
+    path.write_text(text.replace("16\n", "17\n", 1))
+    with pytest.raises(RuntimeError, match=r"These photographs cannot be used.*stack\.lp"):
+        choose(path)
+    assert not kept.filepath and not bpy.ops.scene.togishi_photographs_run.poll()
+    path.write_text(text)
+    choose(path)
+    whole = (tmp_path / "7.exr").read_bytes()
+    (tmp_path / "7.exr").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(RuntimeError, match=r"The photographs tell nothing yet.*7\.exr"):
+        bpy.ops.scene.togishi_photographs_run()
+    small = np.zeros((4, 4, 1), np.float32)
+    files.write_planes(image_io(), tmp_path / "7.exr", ["Y"], small)
+    with pytest.raises(RuntimeError, match=r"7\.exr: 4 x 4 pixels"):
+        bpy.ops.scene.togishi_photographs_run()
+    assert not kept.found
+    with pytest.raises(RuntimeError, match=r"no such file|missing|No such file"):
+        choose(tmp_path / "none.toml")
