@@ -23,8 +23,8 @@ ProjectedMap maps_of_stack(const std::vector<float>& pixels, std::size_t width, 
                            LobeModel model) {
     constexpr std::size_t channels = capture_channels.size();
     if (width == 0 || height == 0 || pixels.size() != width * height * channels) {
-        throw InputError("capture lights", "map", std::to_string(pixels.size()) + " numbers",
-                         "width x height x " + std::to_string(channels));
+        throw InputError("capture lights", "map", std::to_string(pixels.size()),
+                         std::to_string(width * height * channels));
     }
     constexpr std::array<std::pair<std::size_t, std::array<MapChannel, 2>>, 3> lobe{
         {{channel_at("lobe.ln_mu_deg"), {MapChannel::ji_ln_mu_deg, MapChannel::ha_ln_mu_deg}},
