@@ -33,13 +33,17 @@ PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const Region
     const glm::dvec3 carried =
         region.tangent + share * ((std::cos(phi) - 1) * along - std::sin(phi) * region.normal);
     const auto frame = f64::tangent_frame(normal, glm::dvec3(1, 0, 0));
-    const double turn =
-        2 * std::atan2(glm::dot(carried, frame.bitangent), glm::dot(carried, frame.tangent));
+    // Twice the angle from the pixel's own frame to the carried one.
+    const double along_t = glm::dot(carried, frame.tangent);
+    const double along_b = glm::dot(carried, frame.bitangent);
+    const double length2 = along_t * along_t + along_b * along_b;
+    const double cos_turn = (along_t * along_t - along_b * along_b) / length2;
+    const double sin_turn = 2 * along_t * along_b / length2;
     const double e1 = x(shape_e1), e2 = x(shape_e2), shape = std::hypot(e1, e2);
     r.normal = glm::vec3(normal);
     r.ln_mu_deg = static_cast<float>(x(ln_mu_deg));
-    r.e1 = static_cast<float>(e1 * std::cos(turn) - e2 * std::sin(turn));
-    r.e2 = static_cast<float>(e1 * std::sin(turn) + e2 * std::cos(turn));
+    r.e1 = static_cast<float>(e1 * cos_turn - e2 * sin_turn);
+    r.e2 = static_cast<float>(e1 * sin_turn + e2 * cos_turn);
     r.weight = std::exp(block.x[ln_chi][lane]);
     r.diffuse = block.x[diffuse][lane];
     const std::size_t next = 7;
@@ -66,7 +70,7 @@ PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const Region
     r.sigma_ln_mu_b = root(widen * (cov(2, 2) + rr - 2 * sr) + stretch2);
     r.sigma_ln_mu = std::max(r.sigma_ln_mu_t, r.sigma_ln_mu_b);
     // A shear turns an ellipse's axes by coth(2r) times itself, a rotation by itself.
-    const double coth = 1 / std::tanh(2 * std::max(shape, 1e-3));
+    const double grown = std::exp(4 * std::max(shape, 1e-3)), coth = (grown + 1) / (grown - 1);
     const double turn_variance = 0.25 * widen * std::max(tt, 0.0) / std::max(shape * shape, 1e-12) +
                                  0.5 * shared.shear * shared.shear * (1 + coth * coth);
     r.sigma_rho_deg = static_cast<float>(std::min(90.0, std::sqrt(turn_variance) / rad_per_deg));

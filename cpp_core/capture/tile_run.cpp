@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
+#include <future>
 #include <limits>
 #include <mutex>
 #include <numbers>
@@ -185,10 +185,10 @@ StackRun::StackRun(const LightFile& lights, TileReader& reader, const StackRunOp
     // An exact direction would make a narrow lobe's residuals mean what no map between can hold.
     constexpr double least_sigma_deg = 0.003;
     sigma_h_deg_ = std::max(least_sigma_deg, stack_.sigma_h_deg());
-    longest_first_.resize(options.exposures.size());
-    std::iota(longest_first_.begin(), longest_first_.end(), std::size_t{0});
-    std::sort(longest_first_.begin(), longest_first_.end(), [&](std::size_t a, std::size_t b) {
-        return options.exposures[a] > options.exposures[b];
+    shortest_first_.resize(options.exposures.size());
+    std::iota(shortest_first_.begin(), shortest_first_.end(), std::size_t{0});
+    std::sort(shortest_first_.begin(), shortest_first_.end(), [&](std::size_t a, std::size_t b) {
+        return options.exposures[a] < options.exposures[b];
     });
     std::ostringstream text;
     text.precision(17);
@@ -230,7 +230,9 @@ std::string StackRun::fingerprint() const {
 std::size_t StackRun::rows_per_band() const {
     if (options_.band_rows > 0) return options_.band_rows;
     const std::size_t row = reader_.images() * reader_.width() * (sizeof(float) + 1);
-    const std::size_t cells = options_.memory_bytes / std::max<std::size_t>(1, row * cell_pixels);
+    // Two at once: one is read while the other is fitted.
+    const std::size_t cells =
+        options_.memory_bytes / std::max<std::size_t>(1, 2 * row * cell_pixels);
     // Not fewer than one row of cells, and not so many that progress stands still.
     return cell_pixels * std::clamp<std::size_t>(cells, 1, 4);
 }
@@ -269,23 +271,23 @@ void StackRun::gather(const Band& band, std::size_t x, std::size_t row, float* v
     const std::size_t area = (band.end - band.begin) * width;
     const std::size_t at = (row - band.begin) * width + x;
     const std::size_t lanes = x < width ? std::min<std::size_t>(block_pixels, width - x) : 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t lane = 0; lane < block_pixels; ++lane) {
-            float v = 0, s = 0;
-            if (lane < lanes) {
-                for (const std::size_t e : longest_first_) {
-                    const std::size_t from = (e * count + i) * area + at + lane;
-                    const float found = band.values[from];
-                    if (!(std::abs(found) < 1e30F)) continue;
-                    const auto relative = static_cast<float>(options_.exposures[e]);
-                    v = found / relative;
-                    s = 1 / relative;
-                    if (band.clipped[from] == 0) break;
-                    s = -s;
-                }
+    std::fill_n(value, count * block_pixels, 0.0F);
+    std::fill_n(scale, count * block_pixels, 0.0F);
+    for (const std::size_t e : shortest_first_) {
+        const auto relative = static_cast<float>(options_.exposures[e]);
+        const float to_first = 1 / relative;
+        for (std::size_t i = 0; i < count; ++i) {
+            const float* const found = &band.values[(e * count + i) * area + at];
+            const std::uint8_t* const clipped = &band.clipped[(e * count + i) * area + at];
+            float* const v = value + i * block_pixels;
+            float* const s = scale + i * block_pixels;
+            // No branch: the compiler takes the lanes side by side.
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const bool take =
+                    (std::abs(found[lane]) < 1e30F) & ((clipped[lane] == 0) | (s[lane] == 0.0F));
+                v[lane] = take ? found[lane] * to_first : v[lane];
+                s[lane] = take ? (clipped[lane] == 0 ? to_first : -to_first) : s[lane];
             }
-            value[i * block_pixels + lane] = v;
-            scale[i * block_pixels + lane] = s;
         }
     }
 }
@@ -391,7 +393,7 @@ void StackRun::fit_cell(const Band& band, std::size_t x, std::size_t y, std::vec
 
     // The cell's own normal: the middle one of a few of its pixels.
     CellLights cell = cell_lights(stack_, options_.normal, x, y);
-    constexpr std::size_t sample_step = 8;
+    constexpr std::size_t sample_step = 16;
     const auto sampled = [&](const PixelKernelOptions& with, const auto& take) {
         for (std::size_t row = y + sample_step / 2; row < bottom; row += sample_step) {
             for (std::size_t left = x + (row / sample_step) % 2 * block_pixels; left < right;
@@ -522,46 +524,69 @@ TileStore StackRun::run(const std::filesystem::path& target, StackRunReport& rep
     report.instruction_set = pixel_kernel().name;
     TileStore store(target, fingerprint(), width, height, channel_count, rows_per_band());
     report.bands = store.bands();
-    report.bands_resumed = store.finished_bands();
+    const std::size_t resumed = store.finished_bands();
+    report.bands_resumed = resumed;
     Cell all;
     try {
-        if (report.bands_resumed < report.bands) {
+        if (resumed < store.bands()) {
             if (options_.white) measure_white();
             if (options_.self_calibration) calibrate(report);
         }
-        Band band;
-        std::vector<float> out;
-        for (std::size_t b = 0; b < store.bands(); ++b) {
-            if (store.finished(b)) continue;
-            const std::size_t begin = b * store.band_rows(), end = begin + store.rows_of(b);
+        std::vector<std::size_t> open;
+        for (std::size_t b = 0; b < store.bands(); ++b)
+            if (!store.finished(b)) open.push_back(b);
+        std::array<Band, 2> bands;
+        std::array<std::vector<float>, 2> outs;
+        // The next band is read and the last one written while one is fitted; in turns, where one
+        // thread was asked for.
+        const auto how = options_.threads == 1 ? std::launch::deferred : std::launch::async;
+        std::future<double> reading;
+        std::future<void> writing;
+        const auto read_ahead = [&](std::size_t k) {
+            if (k >= open.size()) return;
+            const std::size_t begin = open[k] * store.band_rows();
+            const std::size_t end = begin + store.rows_of(open[k]);
+            reading = std::async(how, [this, begin, end, &band = bands[k % 2]] {
+                const double start = seconds();
+                read_band(band, begin, end);
+                return seconds() - start;
+            });
+        };
+        read_ahead(0);
+        for (std::size_t k = 0; k < open.size(); ++k) {
+            const Band& band = bands[k % 2];
+            std::vector<float>& out = outs[k % 2];
+            report.seconds_reading += reading.get();
+            read_ahead(k + 1);
             const double start = seconds();
-            read_band(band, begin, end);
-            const double half = seconds();
-            report.seconds_reading += half - start;
-            out.assign((end - begin) * width * channel_count, 0.0F);
+            out.resize((band.end - band.begin) * width * channel_count);
             const std::size_t across = (width + cell_pixels - 1) / cell_pixels;
-            const std::size_t down = (end - begin + cell_pixels - 1) / cell_pixels;
+            const std::size_t down = (band.end - band.begin + cell_pixels - 1) / cell_pixels;
             std::mutex lock;
             parallel_for(
                 across * down, 1,
                 [&](std::size_t i, std::size_t) {
-                    if (options_.stop != nullptr && options_.stop->load())
-                        throw StackStopped{store.finished_bands(), store.bands()};
+                    if (options_.stop != nullptr && options_.stop->load()) throw StackStopped{};
                     Cell counted;
-                    fit_cell(band, i % across * cell_pixels, begin + i / across * cell_pixels, out,
-                             counted);
+                    fit_cell(band, i % across * cell_pixels, band.begin + i / across * cell_pixels,
+                             out, counted);
                     const std::scoped_lock hold(lock);
                     all.add(counted);
                 },
                 options_.threads);
-            report.seconds_fitting += seconds() - half;
-            store.write(b, out);
-            const std::size_t done = store.finished_bands();
+            report.seconds_fitting += seconds() - start;
+            if (writing.valid()) writing.get();
+            writing = std::async(how, [&store, &out, b = open[k]] { store.write(b, out); });
+            const std::size_t done = resumed + k + 1;
             if (progress && !progress(done, store.bands()) && done < store.bands())
-                throw StackStopped{done, store.bands()};
+                throw StackStopped{};
         }
+        if (writing.valid()) writing.get();
+    } catch (const StackStopped&) {
+        const StackStopped stopped{store.finished_bands(), store.bands()};
+        if (stopped.bands_done == 0) store.remove();  // nothing to go on from
+        throw stopped;
     } catch (...) {
-        // Nothing to go on from.
         if (store.finished_bands() == 0) store.remove();
         throw;
     }

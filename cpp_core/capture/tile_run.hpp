@@ -84,7 +84,8 @@ struct StackRunReport {
     std::size_t flagged = 0, inferred = 0, haze_cells = 0, cells = 0;
     std::array<std::size_t, 7> reasons{};  ///< pixels per PixelFlag
     std::optional<Calibration> calibration;
-    double seconds_reading = 0, seconds_fitting = 0;
+    double seconds_reading = 0;  ///< beside the fit
+    double seconds_fitting = 0;
     std::string instruction_set;
 };
 
@@ -93,7 +94,7 @@ using StackProgress = std::function<bool(std::size_t bands_done, std::size_t ban
 
 /// A stop that was asked for: finished bands are kept.
 struct StackStopped {
-    std::size_t bands_done, bands;
+    std::size_t bands_done = 0, bands = 0;
 };
 
 class StackRun {
@@ -127,7 +128,7 @@ class StackRun {
     StackRunOptions options_;
     LightStack stack_;
     std::string lights_text_;
-    std::vector<std::size_t> longest_first_;  ///< exposures
+    std::vector<std::size_t> shortest_first_;  ///< exposures
     double sigma_h_deg_;
     SharedError shared_;
 };

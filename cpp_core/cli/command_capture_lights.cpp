@@ -241,7 +241,7 @@ void run(Options o, const Common& common) {
         TileStore tiles = stack.run(o.output, report, std::ref(progress));
         write_capture_map(o.output, tiles, "togishi capture lights " + o.file,
                           "togishi " TOGISHI_VERSION,
-                          o.half ? MapPrecision::half : MapPrecision::single);
+                          o.half ? MapPrecision::half : MapPrecision::single, r.threads);
     } catch (const StackStopped& stopped) {
         throw std::runtime_error("stopped: " + std::to_string(stopped.bands_done) + " of " +
                                  std::to_string(stopped.bands) +

@@ -17,8 +17,9 @@ namespace togishi {
 
 /// Band by band, whole or not at all; the store's file is removed when the map stands. Throws
 /// InputError naming the file: another extension than .exr, a full disk (the tiles are kept).
+/// threads: for the compression, 0: all cores.
 void write_capture_map(const std::filesystem::path& path, TileStore& tiles,
                        const std::string& source, const std::string& software,
-                       MapPrecision precision = MapPrecision::single);
+                       MapPrecision precision = MapPrecision::single, unsigned threads = 0);
 
 }  // namespace togishi
