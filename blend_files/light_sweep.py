@@ -25,7 +25,7 @@ def build() -> None:
     data = bpy.data.lights.new("Sweep", "SPOT")
     data.energy = 1.4 * (frame.half_length / 0.5) ** 2
     data.spot_size, data.spot_blend = 0.9, 1.0
-    data.shadow_soft_size = 0.01
+    data.shadow_soft_size = 0.0
     light_rig.set_spectrum(data, "blackbody", 3200.0)
     lamp = bpy.data.objects.new("Sweep", data)
     scene.collection.objects.link(lamp)

@@ -6,5 +6,7 @@
 #include "shared/area/flat_light.glsl"
 #include "shared/area/rectangle_light.glsl"
 #include "shared/area/disk_light.glsl"
+#include "shared/area/form_factor.glsl"
+#include "shared/area/lamp.glsl"
 #include "shared/area/lobe_filter.glsl"
 #include "shared/area/environment_taps.glsl"

@@ -6,9 +6,10 @@
 // | point | power P (W)          | P/(4 pi d^2): P spread evenly over a sphere  |
 // | spot  | power P (W)          | the point's, times the cone's blend: the cone takes light away, it does not gather it |
 // | sun   | strength S (W/m^2)   | S at any distance                            |
+// | area  | power P (W)          | shared/area/lamp.glsl                        |
 //
 // A point lamp is a sphere of radius r and radiance L = P/(4 pi^2 r^2), which gives pi L r^2/d^2 whatever r is,
-// as long as the whole sphere is above the horizon. A grey card of albedo a then has the radiance a E/pi.
+// as long as the whole sphere is above the horizon. With Blender's soft falloff it is a disk that faces each point: P/(4 pi (d^2 + r^2)). A grey card of albedo a then has the radiance a E/pi.
 // Checked against Cycles for each lamp, with distance, blend, colour and exposure: tests/blender/test_engine_light_units.py.
 
 // A lamp nearer than this counts as this far: 1e-6 of Blender's units.

@@ -5,7 +5,7 @@
 struct TgFrame {
     mat4 projection;
     vec4 ray;    // a pixel's (x, y)/depth, for an orthographic view its (x, y): gl_FragCoord * ray.xy + ray.zw
-    vec4 view;   // x: 1 for an orthographic view, else 0
+    vec4 view;   // 1 for an orthographic view, else 0; lamps of a size; slices of the lobe for each of them
     vec4 world;  // rgb of the surroundings before its spectrum, row in the table
     vec4 counts; // points, spots, suns, level-of-detail bias
 };
@@ -22,8 +22,23 @@ struct TgSpot {
     vec4 axis_z; // the way the lamp shines, over its scale
 };
 
+// A lamp of a size. kind: 0 rectangle, 1 ellipse, 2 sphere, 3 sphere with a spot's cone, 4 sun.
+struct TgArea {
+    vec4 place;  // centre; sun: unit vector to it; kind
+    vec4 colour; // as TgLight's
+    vec4 axis_x; // flat: unit axis of half_u; spot: as TgSpot's
+    vec4 axis_y; // flat: unit axis of half_v, it shines towards x cross y; spot: as TgSpot's
+    vec4 axis_z; // spot: as TgSpot's
+    vec4 size;   // flat: half_u, half_v, tangent of half its spread (0: all directions), 1/(that less the angle);
+                 // sphere: radius, 1 where its falloff is soft; spot: the same, blend, cosine of half the cone; sun: half angle
+};
+
 struct TgLights {
     TgLight light[TG_LIGHT_CAPACITY];
+};
+
+struct TgAreas {
+    TgArea area[TG_AREA_CAPACITY];
 };
 
 struct TgSpots {

@@ -18,6 +18,28 @@ vec3 reflect_light(vec3 light, vec3 colour, int row, vec3 normal, vec3 view, Lob
     return colour * light_rgb(row) * (diffuse + gloss);
 }
 
+#ifdef TG_AREAS
+#define TG_DARK_EXPONENT 30.0
+#include "viewport/areas.glsl"
+
+vec3 node_colour(LightNode node, AreaLobe q) {
+    float metallic = plain.gloss.y;
+    float coat = fresnel_conductor(plain.albedo.w, 0.0, node.v_dot_h) * (1.0 - metallic);
+    return (vec3(coat) + plain.albedo.xyz * metallic) * shadowed_node(node, q);
+}
+
+// The matt part by the lamp's form factor, the gloss by slices of its lobe as on steel.
+vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
+    vec3 matt = plain.albedo.xyz * ((1.0 - plain.gloss.y) / TG_PI);
+    vec3 sum = seen.radiance > 0.0 ? matt * area_irradiance(area, seen, q.axes.normal) : vec3(0.0);
+    int times = area_reached(seen, q) ? 1 : 0;
+    for (int once = 0; once < times; ++once) {
+        sum += area_reflection(area, seen, q) * lobe_normalised_weight(q.form);
+    }
+    return area.colour.xyz * light_rgb(int(area.colour.w)) * sum;
+}
+#endif
+
 #define TG_REACHED(direction) (dot(normal, direction) > TG_MIN_COS ? 1 : 0)
 #define TG_REFLECT(direction, colour, row) reflect_light(direction, colour, row, normal, view, form)
 
@@ -29,6 +51,21 @@ void main() {
     LobeForm form = lobe_form_isotropic(plain.gloss.x);
     vec3 sum = vec3(0.0);
 #include "viewport/loop.glsl"
+#ifdef TG_AREAS
+    AreaLobe q;
+    q.form = form;
+    q.axes = smooth_frame(normal);
+    q.view = view;
+    q.n_dot_v = dot(normal, view);
+    q.widest = form.scale;
+    q.at_theta_i = false;
+    q.shadowed = true;
+    q.row = 0;
+    int area_count = q.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
+    for (int i = 0; i < area_count; ++i) {
+        sum += reflect_area(areas.area[i], area_seen(areas.area[i], place), q);
+    }
+#endif
 #ifdef TG_WORLD
     float cos_r = dot(normal, view);
     if (cos_r > TG_MIN_COS) {

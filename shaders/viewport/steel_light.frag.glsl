@@ -2,6 +2,7 @@
 //   TG_ONE_LOBE   no maps: a part has one lobe, smooth or rough   TG_MAPS  both lobes, w and h from maps
 //   TG_HADORI     the map has hadori                              TG_SHAPE, TG_ANISOTROPIC  as named
 //   TG_POINTS, TG_SPOTS, TG_SUNS, TG_WORLD                        what the scene has
+//   TG_RECTANGLES, TG_ROUNDS, TG_FINE                             lamps of a size (areas.glsl)
 //   TG_MANY       other steels are in the picture
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
@@ -103,6 +104,64 @@ vec3 reflect_light(vec3 light, vec3 colour, int row, Steel s) {
 #endif
 }
 
+#ifdef TG_AREAS
+#include "viewport/areas.glsl"
+
+vec3 node_colour(LightNode node, AreaLobe q) {
+    return table_rgb(q.row, q.at_theta_i ? node.n_dot_l : node.v_dot_h) * shadowed_node(node, q);
+}
+
+// What the pixel reflects of a lamp of a size: ji, ha and hadori one after the other.
+vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
+    vec3 sum = vec3(0.0);
+    AreaLobe q;
+    q.axes = s.axes;
+    q.view = s.view;
+    q.n_dot_v = s.n_dot_v;
+    q.row = int(area.colour.w);
+#ifdef TG_ONE_LOBE
+    int lobes = 1;
+#elif defined(TG_HADORI)
+    int lobes = 3;
+#else
+    int lobes = 2;
+#endif
+    for (int lobe = 0; lobe < lobes; ++lobe) {
+        float constant = s.chi;
+        float share = 1.0;
+        q.form = s.ji;
+        q.at_theta_i = lobe == 0;
+#ifdef TG_ONE_LOBE
+        q.at_theta_i = s.w <= 0.5;
+#else
+        float w = sanitise_share(s.w);
+        float h = sanitise_share(s.h);
+        share = (1.0 - w) * (1.0 - h);
+        if (lobe == 1) {
+            q.form = s.ha;
+            constant = s.beta_ha;
+            share = w;
+        }
+#ifdef TG_HADORI
+        if (lobe == 2) {
+            q.form = s.hadori;
+            constant = s.beta_hadori;
+            share = (1.0 - w) * h;
+        }
+#endif
+#endif
+        q.widest = max(least(q.form), 1.0e-6);
+        q.shadowed = !q.at_theta_i || constant < 0.0;
+        int times = share > 0.0 && area_reached(seen, q) ? 1 : 0;
+        for (int once = 0; once < times; ++once) {
+            float weight = share * (constant < 0.0 ? lobe_normalised_weight(q.form) : constant);
+            sum += area_reflection(area, seen, q) * weight;
+        }
+    }
+    return area.colour.xyz * sum;
+}
+#endif
+
 #define TG_REACHED(direction) reached(direction, s)
 #define TG_REFLECT(direction, colour, row) reflect_light(direction, colour, row, s)
 
@@ -138,6 +197,12 @@ void main() {
     s.reach = 1.0 - 2.0e-6 - TG_DARK_EXPONENT / max(widest, 1.0e-6);
     vec3 sum = vec3(0.0);
 #include "viewport/loop.glsl"
+#ifdef TG_AREAS
+    int area_count = s.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
+    for (int i = 0; i < area_count; ++i) {
+        sum += reflect_area(areas.area[i], area_seen(areas.area[i], place), s);
+    }
+#endif
 #ifdef TG_WORLD
     // A uniform room: the lobes gather the same radiance from everywhere, so what is left is F at theta_r.
     float cos_r = dot(s.axes.normal, s.view);

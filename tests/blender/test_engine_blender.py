@@ -247,12 +247,36 @@ def test_hidden_lights_are_not_there(scene):
     assert data.lights == ()
 
 
-def test_an_area_light_is_a_point_light_and_says_so(scene):
+def test_an_area_lamp_is_read_with_its_size_axes_and_scale(scene):
     add_light(scene, "AREA")
+    lamp = next(obj for obj in scene.objects if obj.type == "LIGHT")
+    lamp.data.shape, lamp.data.size, lamp.data.size_y = "RECTANGLE", 0.5, 0.25
+    lamp.rotation_euler, lamp.scale = (0.0, math.radians(90.0), 0.0), (2.0, -1.0, 3.0)
     bpy.context.view_layer.update()
     sync, data = sync_of()
-    assert data.lights[0].kind.value == "point"
-    assert any("area" in message and "point light" in message for message in sync.messages)
+    light = data.lights[0]
+    assert (light.kind.value, light.half_u, light.half_v) == ("rectangle", 0.5, 0.125)
+    assert sync.messages == []
+    axes = np.array([light.x_axis, light.y_axis, light.z_axis])
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-6)
+    # It shines along -z: x cross y is z, though the scale mirrors.
+    np.testing.assert_allclose(np.cross(axes[0], axes[1]), axes[2], atol=1e-6)
+    np.testing.assert_allclose(axes[2], (1.0, 0.0, 0.0), atol=1e-6)
+    lamp.data.shape = "DISK"
+    bpy.context.view_layer.update()
+    assert sync_of()[1].lights[0].kind.value == "ellipse"
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN"])
+def test_lamps_of_no_size_are_points(scene, kind):
+    add_light(scene, kind)
+    lamp = next(obj for obj in scene.objects if obj.type == "LIGHT").data
+    for size in (0.0, 0.1):
+        setattr(lamp, "angle" if kind == "SUN" else "shadow_soft_size", size)
+        bpy.context.view_layer.update()
+        light = sync_of()[1].lights[0]
+        assert light.sized == (size > 0.0)
+        assert max(light.radius, 2.0 * light.half_angle_rad) == pytest.approx(size)
 
 
 def test_a_light_update_reads_no_mesh_again(scene):

@@ -82,6 +82,54 @@ def temperature(light, obj):
     light.use_temperature, light.temperature = True, 3200.0
 
 
+def area(shape, size, size_y=0.25, **more):
+    def setup(light, obj):
+        light.energy, light.shape, light.size, light.size_y = 100.0, shape, size, size_y
+        obj.location = more.get("location", (0.0, 0.0, 2.0))
+        obj.rotation_euler = more.get("rotation", (0.0, 0.0, 0.0))
+        obj.scale = more.get("scale", (1.0, 1.0, 1.0))
+        light.spread = more.get("spread", math.pi)
+
+    setup.__name__ = f"area_{shape}_{'_'.join(more) or 'plain'}".lower()
+    return setup
+
+
+def area_not_normalised(light, obj):
+    area("RECTANGLE", 0.5, 0.25, scale=(2.0, 1.5, 1.0))(light, obj)
+    if not hasattr(light, "normalize"):
+        pytest.skip("this Blender always normalises")
+    light.normalize = False
+
+
+def sphere(light, obj):
+    light.energy, light.shadow_soft_size = 100.0, 0.5
+    obj.location = (0.4, 0.0, 1.2)
+
+
+def sphere_across_the_horizon(light, obj):
+    light.energy, light.shadow_soft_size = 100.0, 0.5
+    obj.location = (1.0, 0.3, 0.2)
+
+
+def sphere_scaled(light, obj):
+    sphere_across_the_horizon(light, obj)
+    obj.scale = (1.5, 1.5, 1.5)
+
+
+def spot_with_radius(light, obj):
+    spot(light, obj)
+    light.shadow_soft_size = 0.2
+    obj.location = (0.5, 0.0, 2.0)
+
+
+def wide_sun(light, obj):
+    light.energy, light.angle = 3.0, 1.2
+    obj.rotation_euler = (math.radians(70.0), 0.0, 0.0)
+
+
+TURNED = {"location": (1.2, -0.4, 1.0), "rotation": (0.25, 0.9, 0.3)}
+LOW = {"location": (1.0, 0.2, 0.1), "rotation": (0.0, 1.4, 0.5)}
+
 CASES = [
     ("POINT", point),
     ("POINT", coloured_point),
@@ -93,6 +141,21 @@ CASES = [
     ("SPOT", spot_edge),
     ("SPOT", spot_turned),
     ("SPOT", spot_scaled),
+    ("POINT", sphere),
+    ("POINT", sphere_across_the_horizon),
+    ("POINT", sphere_scaled),
+    ("SPOT", spot_with_radius),
+    ("SUN", wide_sun),
+    ("AREA", area("SQUARE", 0.5)),
+    ("AREA", area("RECTANGLE", 2.0, 0.5, **TURNED)),
+    ("AREA", area("RECTANGLE", 2.0, 0.5, scale=(0.5, 3.0, 2.0))),
+    ("AREA", area("RECTANGLE", 0.5, 0.25, scale=(-2.0, 1.5, 1.0), **TURNED)),
+    ("AREA", area("SQUARE", 1.0, **LOW)),
+    ("AREA", area("DISK", 1.0)),
+    ("AREA", area("ELLIPSE", 2.0, 1.0, **TURNED)),
+    ("AREA", area("ELLIPSE", 0.5, 1.0, scale=(2.0, 0.5, 1.0), **TURNED)),
+    ("AREA", area("DISK", 0.2, location=(0.5, 0.0, 1.5), spread=1.5)),
+    ("AREA", area_not_normalised),
 ]
 
 

@@ -87,7 +87,7 @@ def test_area_lamp_without_normalize(empty_file, shape, area):
     lamp.shape, lamp.size, lamp.size_y, lamp.energy = shape, 2.0, 3.0, 5.0
     lamp.normalize = False
     assert not blender_versions.light_is_normalised(lamp)
-    assert read_light(lamp, np.eye(4))[0].power == pytest.approx(5.0 * area)
+    assert read_light(lamp, np.eye(4)).power == pytest.approx(5.0 * area)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])

@@ -25,7 +25,7 @@ def every(variant: type) -> list:
 
 
 def all_programs() -> list[shader_source.ProgramSource]:
-    few = [LightVariant(False), LightVariant(True, True, True, True)]
+    few = [LightVariant(False), LightVariant(*(True,) * len(dataclasses.fields(LightVariant)))]
     programs = [shader_source.copy_program(), shader_source.aux_program()]
     programs += [shader_source.plain_program(lights) for lights in every(LightVariant)]
     for steel in every(SteelVariant):
@@ -65,7 +65,8 @@ def test_code_is_left_out_where_a_scene_does_not_need_it():
     flags = {name for name, _value in program.defines}
     assert {"TG_POINTS", "TG_ONE_LOBE"} <= flags
     assert not flags & {"TG_SPOTS", "TG_SUNS", "TG_WORLD", "TG_MAPS", "TG_HADORI", "TG_ANISOTROPIC"}
-    assert not {name for _kind, name in program.blocks} & {"spots", "wavelengths"}
+    assert not {name for _kind, name in program.blocks} & {"spots", "areas", "wavelengths"}
+    assert "rectangle_slices" not in program.fragment
     assert program.samplers == (("FLOAT_2D", "surface_buffer"),)
 
 
@@ -98,6 +99,7 @@ def test_blocks_have_the_size_that_the_interface_states():
     assert packing.frame_block(space, (0, 0, 0), 0, one.counts, 0.0).size == structs["TgFrame"]
     assert packing.lights_block(one, space).size == structs["TgLights"]
     assert packing.spots_block(one, space).size == structs["TgSpots"]
+    assert packing.areas_block(one, space).size == structs["TgAreas"]
     assert packing.table_block([]).size == structs["TgTable"]
     assert packing.steel_block(steel).size == structs["TgSteel"]
     assert packing.plain_block(PlainMaterial()).size == structs["TgPlain"]
@@ -108,20 +110,31 @@ def test_blocks_have_the_size_that_the_interface_states():
 def test_passes_hold_every_light_once_in_order():
     kinds = list(LightKind)
     lights = [
-        Light(kinds[i % 3], power=float(i), spectrum=f"blackbody:{2000 + i % 40}")
+        Light(
+            kinds[i % 5],
+            power=float(i),
+            spectrum=f"blackbody:{2000 + i % 40}",
+            radius=0.1 * (i % 2),
+            half_angle_rad=0.1 * (i % 2),
+        )
         for i in range(700)
     ]
     passes = packing.light_passes(lights, World((1.0, 1.0, 1.0), "A"))
-    assert sorted(light.power for p in passes for light in p.lights) == list(range(1, 700))
+    powers = sorted(light.power for p in passes for light in (*p.lights, *p.areas))
+    assert powers == list(range(1, 700))
     assert passes[0].spectra[0] == "A"
     order = {LightKind.POINT: 0, LightKind.SPOT: 1, LightKind.SUN: 2}
     for light_pass in passes:
         assert len(light_pass.lights) <= shader_source.LIGHT_CAPACITY
+        assert len(light_pass.areas) <= shader_source.AREA_CAPACITY
+        assert not any(light.sized for light in light_pass.lights)
+        assert all(light.sized for light in light_pass.areas)
         assert len(light_pass.spectra) <= shader_source.TABLE_ROWS
         ranks = [order[light.kind] for light in light_pass.lights]
         assert ranks == sorted(ranks)
         counts = light_pass.counts
         assert counts.points + counts.spots + counts.suns == len(light_pass.lights)
+        assert counts.areas == len(light_pass.areas)
 
 
 def test_no_lights_is_one_empty_pass():

@@ -27,7 +27,7 @@ class Lamp:
     temperature_k: float = 0.0
     cone_deg: float = 60.0
     blend: float = 0.6
-    radius: float = 0.02  # in half lengths
+    radius: float = 0.0  # in half lengths; above 0 the lamp is lit by its size, which costs more
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ PRESETS = (
         "Tungsten case lamps",
         "Small filament lamps along the top of a showcase",
         tuple(
-            Lamp(f"Filament {i + 1}", "POINT", x, 8.0, 1.3, 3.5, "blackbody", 2856.0, radius=0.01)
+            Lamp(f"Filament {i + 1}", "POINT", x, 8.0, 1.3, 3.5, "blackbody", 2856.0)
             for i, x in enumerate((-0.85, -0.3, 0.3, 0.85))
         ),
         0.003,

@@ -26,7 +26,14 @@ from .scene_data import (
     SteelMaterial,
     World,
 )
-from .shader_source import LIGHT_CAPACITY, MAX_LEVELS, TABLE_ROWS, TABLE_SIZE, LightVariant
+from .shader_source import (
+    AREA_CAPACITY,
+    LIGHT_CAPACITY,
+    MAX_LEVELS,
+    TABLE_ROWS,
+    TABLE_SIZE,
+    LightVariant,
+)
 from .tangents import turned_with_mesh, uv_tangents
 
 I32 = NDArray[np.int32]
@@ -74,12 +81,13 @@ def frame_block(
     world_row: int,
     counts: LightCounts,
     lod_bias: float,
+    slices: int = 0,
 ) -> F32:
-    """TgFrame."""
+    """TgFrame. slices: of the lobe for each lamp of a size."""
     block = np.zeros((8, 4), np.float32)
     block[0:4] = camera.projection.T  # columns
     block[4] = camera.ray
-    block[5, 0] = float(camera.orthographic)
+    block[5, :3] = (float(camera.orthographic), counts.areas, slices)
     block[6] = (*world_rgb, world_row)
     block[7] = (counts.points, counts.spots, counts.suns, lod_bias)
     return block
@@ -132,15 +140,17 @@ class LightCounts:
     points: int = 0
     spots: int = 0
     suns: int = 0
+    areas: int = 0  # of a size, whatever their kind
 
 
 @dataclass(frozen=True)
 class LightPass:
-    """Lamps that one pass over the picture adds up, points first, then spots, then suns."""
+    """Lamps that one pass over the picture adds up, points first, then spots, then suns; apart, those of a size."""
 
     lights: tuple[Light, ...]
     counts: LightCounts
     spectra: tuple[str, ...]  # rows of the tables
+    areas: tuple[Light, ...] = ()
 
 
 _ORDER = {LightKind.POINT: 0, LightKind.SPOT: 1, LightKind.SUN: 2}
@@ -151,21 +161,31 @@ def light_passes(lights: Sequence[Light], world: World) -> list[LightPass]:
 
     The world's spectrum has a row in the first pass where the world is not black.
     """
-    ordered = sorted((light for light in lights if not light.dark), key=lambda x: _ORDER[x.kind])
+    ordered = sorted(
+        (light for light in lights if not light.dark),
+        key=lambda x: (x.sized, 0 if x.sized else _ORDER[x.kind]),
+    )
     passes: list[LightPass] = []
     current: list[Light] = []
     spectra: list[str] = [] if world.black else [world.spectrum]
 
     def close() -> None:
-        count = {kind: sum(1 for x in current if x.kind is kind) for kind in LightKind}
-        counts = LightCounts(count[LightKind.POINT], count[LightKind.SPOT], count[LightKind.SUN])
-        passes.append(LightPass(tuple(current), counts, tuple(spectra)))
+        points = tuple(light for light in current if not light.sized)
+        areas = tuple(light for light in current if light.sized)
+        count = {kind: sum(1 for x in points if x.kind is kind) for kind in _ORDER}
+        counts = LightCounts(
+            count[LightKind.POINT], count[LightKind.SPOT], count[LightKind.SUN], len(areas)
+        )
+        passes.append(LightPass(points, counts, tuple(spectra), areas))
         current.clear()
         spectra.clear()
 
     for light in ordered:
         new_row = light.spectrum not in spectra
-        if len(current) == LIGHT_CAPACITY or (new_row and len(spectra) == TABLE_ROWS):
+        full = len(current) == LIGHT_CAPACITY or (
+            light.sized and sum(x.sized for x in current) == AREA_CAPACITY
+        )
+        if full or (new_row and len(spectra) == TABLE_ROWS):
             close()
             new_row = True
         if new_row:
@@ -176,13 +196,19 @@ def light_passes(lights: Sequence[Light], world: World) -> list[LightPass]:
     return passes
 
 
-def light_variant(passes: Sequence[LightPass], world: World) -> LightVariant:
-    """One variant for all passes: passes must rasterise alike."""
+def light_variant(passes: Sequence[LightPass], world: World, *, fine: bool = True) -> LightVariant:
+    """One variant for all passes: passes must rasterise alike. fine: for lamps of a size, the picture at rest."""
+    kinds = {light.kind for p in passes for light in p.areas}
+    rounds = bool(kinds - {LightKind.RECTANGLE})
     return LightVariant(
         points=any(p.counts.points for p in passes),
         spots=any(p.counts.spots for p in passes),
         suns=any(p.counts.suns for p in passes),
         world=not world.black,
+        rectangles=LightKind.RECTANGLE in kinds,
+        rounds=rounds,
+        # Rectangles gain nothing by it (docs/light.md).
+        fine=fine and rounds,
     )
 
 
@@ -190,15 +216,68 @@ def lights_block(light_pass: LightPass, camera: ViewSpace) -> F32:
     """TgLights."""
     block = np.zeros((LIGHT_CAPACITY, 2, 4), np.float32)
     for i, light in enumerate(light_pass.lights):
-        if light.kind is LightKind.SUN:
-            place = camera.view[:3, :3] @ np.asarray(light.to_light, np.float64)
-            place = place / max(float(np.linalg.norm(place)), 1e-30)
-        else:
-            place = camera.view[:3] @ np.asarray((*light.position, 1.0), np.float64)
-        block[i, 0, :3] = place
-        block[i, 1, :3] = np.minimum(np.asarray(light.colour, np.float64) * light.power, 1.0e30)
-        block[i, 1, 3] = light_pass.spectra.index(light.spectrum)
+        block[i, 0, :3] = _place(light, camera)
+        block[i, 1] = _colour(light, light_pass)
     return block
+
+
+def _place(light: Light, camera: ViewSpace) -> F64:
+    """In view space: position; of a sun the unit vector to it."""
+    if light.kind is LightKind.SUN:
+        to_light: F64 = camera.view[:3, :3] @ np.asarray(light.to_light, np.float64)
+        return to_light / max(float(np.linalg.norm(to_light)), 1e-30)
+    place: F64 = camera.view[:3] @ np.asarray((*light.position, 1.0), np.float64)
+    return place
+
+
+def _colour(light: Light, light_pass: LightPass) -> F64:
+    colour = np.empty(4)
+    colour[:3] = np.minimum(np.asarray(light.colour, np.float64) * light.power, 1.0e30)
+    colour[3] = light_pass.spectra.index(light.spectrum)
+    return colour
+
+
+def areas_block(light_pass: LightPass, camera: ViewSpace) -> F32:
+    """TgAreas."""
+    block = np.zeros((AREA_CAPACITY, 6, 4), np.float32)
+    for i, light in enumerate(light_pass.areas):
+        block[i, 0, :3] = _place(light, camera)
+        block[i, 0, 3] = _AREA_KIND[light.kind]
+        block[i, 1] = _colour(light, light_pass)
+        axes = camera.view[:3, :3] @ np.array([light.x_axis, light.y_axis, light.z_axis]).T
+        if light.kind is LightKind.SUN:
+            block[i, 5, 0] = light.half_angle_rad
+        elif light.kind in {LightKind.POINT, LightKind.SPOT}:
+            block[i, 5] = (
+                light.radius,
+                float(light.soft_falloff),
+                light.blend,
+                math.cos(0.5 * light.cone_rad),
+            )
+            block[i, 2:5, :3] = (axes * (1.0, 1.0, -1.0)).T
+        else:
+            # It shines towards u x v, Blender's along -z.
+            block[i, 2, :3], block[i, 3, :3] = axes[:, 0], -axes[:, 1]
+            block[i, 5] = (light.half_u, light.half_v, *_spread(light.spread_rad))
+    return block
+
+
+# interface.glsl, TgArea
+_AREA_KIND = {
+    LightKind.RECTANGLE: 0,
+    LightKind.ELLIPSE: 1,
+    LightKind.POINT: 2,
+    LightKind.SPOT: 3,
+    LightKind.SUN: 4,
+}
+
+
+def _spread(spread_rad: float) -> tuple[float, float]:
+    """Tangent of half the spread, 0 for all directions; 1/(that less the angle), which keeps the power."""
+    half = 0.5 * min(max(spread_rad, math.radians(1.0)), math.pi)
+    if half > math.radians(89.9):
+        return 0.0, 0.0
+    return math.tan(half), 1.0 / (math.tan(half) - half)
 
 
 def spots_block(light_pass: LightPass, camera: ViewSpace) -> F32:

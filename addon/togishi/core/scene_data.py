@@ -9,6 +9,7 @@ unchanged one the same object as in the scene before.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -110,13 +111,16 @@ class LightKind(Enum):
     POINT = "point"
     SPOT = "spot"
     SUN = "sun"
+    RECTANGLE = "rectangle"
+    ELLIPSE = "ellipse"
 
 
 @dataclass(frozen=True)
 class Light:
-    """A lamp. power: W for point and spot, W/m^2 for a sun (shaders/shared/light.glsl).
+    """A lamp. power: W, of a sun W/m^2 (shaders/shared/light.glsl).
 
-    x_axis, y_axis, z_axis: a spot's axes in world space over their scale; it shines along -z.
+    x_axis, y_axis, z_axis: in world space; a spot's over their scale, of a flat lamp unit and perpendicular. It
+    shines along -z. Sizes are in world space, scale included.
     """
 
     kind: LightKind
@@ -130,6 +134,19 @@ class Light:
     z_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     cone_rad: float = 0.785398
     blend: float = 0.15
+    radius: float = 0.0  # of a point or spot: of its sphere
+    soft_falloff: bool = True  # a disk that faces each point, as Blender has it; else a true sphere
+    half_angle_rad: float = 0.0  # of a sun: half of the angle that its disk is seen under
+    half_u: float = 0.0  # flat: half of the side along x_axis, or the ellipse's half axis
+    half_v: float = 0.0  # along y_axis
+    spread_rad: float = math.pi  # flat: whole angle that it shines into
+
+    @property
+    def sized(self) -> bool:
+        """Whether it is drawn with its size. Flat lamps always are: they shine to one side."""
+        if self.kind is LightKind.SUN:
+            return self.half_angle_rad > 0.0
+        return self.kind in {LightKind.RECTANGLE, LightKind.ELLIPSE} or self.radius > 0.0
 
     @property
     def dark(self) -> bool:

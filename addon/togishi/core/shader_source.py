@@ -14,6 +14,7 @@ from pathlib import Path
 
 # Sizes that the GLSL side and packing.py agree on.
 LIGHT_CAPACITY = 256
+AREA_CAPACITY = 64
 # Linear interpolation errs by 6e-6 of F at most; a spectral line whose Z is 90 times its Y needs that.
 TABLE_SIZE = 512
 # Together 64 KiB, the size of a uniform block on every GPU that Blender runs on.
@@ -67,9 +68,20 @@ class LightVariant:
     spots: bool = False
     suns: bool = False
     world: bool = False
+    # Lamps of a size: rectangles, and what has a round outline; fine: the latter for a picture at rest.
+    rectangles: bool = False
+    rounds: bool = False
+    fine: bool = False
+
+    @property
+    def areas(self) -> bool:
+        return self.rectangles or self.rounds
 
     def defines(self) -> dict[str, str]:
-        return _flags(self)
+        flags = _flags(self)
+        if self.areas:
+            flags["TG_AREAS"] = ""
+        return flags
 
 
 # What the first half of polished steel can leave for the second, in the framebuffer's order.
@@ -135,6 +147,7 @@ class ProgramSource:
 
 _SIZES = {
     "TG_LIGHT_CAPACITY": str(LIGHT_CAPACITY),
+    "TG_AREA_CAPACITY": str(AREA_CAPACITY),
     "TG_TABLE_SIZE": str(TABLE_SIZE),
     "TG_TABLE_ROWS": str(TABLE_ROWS),
     "TG_MAX_LEVELS": str(MAX_LEVELS),
@@ -177,7 +190,8 @@ def _program(
     return ProgramSource(
         name=name,
         vertex=resolve(vertex),
-        fragment=resolve(fragment),
+        # The text of lamps of a size is as long as all the rest: without them no compiler reads it.
+        fragment=resolve(fragment, None if "TG_AREAS" in defines else {"viewport/areas.glsl"}),
         typedefs=_typedefs(),
         defines=tuple(sorted({**defines, **_SIZES, **_DIALECT}.items())),
         attributes=attributes,
@@ -193,6 +207,8 @@ def _light_blocks(lights: LightVariant) -> tuple[tuple[str, str], ...]:
     blocks = [("TgLights", "lights"), ("TgTable", "table")]
     if lights.spots:
         blocks.append(("TgSpots", "spots"))
+    if lights.areas:
+        blocks.append(("TgAreas", "areas"))
     return tuple(blocks)
 
 

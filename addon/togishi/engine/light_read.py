@@ -11,55 +11,76 @@ from .. import blender_versions, properties
 from ..core.scene_data import Light, LightKind, World
 from .node_links import feeding_node
 
+_ROUND = {"DISK", "ELLIPSE"}
 
-def _area_m2(light: bpy.types.AreaLight) -> float:
+
+def area_size(light: bpy.types.AreaLight) -> tuple[float, float]:
+    """Sides, or the axes of the ellipse, in the lamp's own units."""
     other = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
-    part = 0.25 * math.pi if light.shape in {"DISK", "ELLIPSE"} else 1.0
-    return part * float(light.size) * float(other)
+    return float(light.size), float(other)
 
 
-def read_light(light: bpy.types.Light, matrix: np.ndarray) -> tuple[Light, str]:
-    """The lamp, and a note for the user ("" where nothing needs saying). matrix: (4, 4) to world.
+def _flat_axes(directions: np.ndarray) -> np.ndarray:
+    """Columns x, y, z of a lamp that shines along -z, unit and perpendicular, whatever its matrix sheared or mirrored."""
+    x = directions[:, 0] if directions[:, 0].any() else np.array((1.0, 0.0, 0.0))
+    y = directions[:, 1] - x * (x @ directions[:, 1])
+    length = float(np.linalg.norm(y))
+    if length < 1e-6:
+        y = np.cross(np.array((0.0, 0.0, 1.0)) if abs(x[2]) < 0.9 else np.array((0.0, 1.0, 0.0)), x)
+        length = float(np.linalg.norm(y))
+    y = y / length
+    z = np.cross(x, y)
+    # The outline is the same with y turned round; what it shines along is not.
+    sign = -1.0 if z @ directions[:, 2] < 0.0 else 1.0
+    return np.stack([x, sign * y, sign * z], axis=1)
+
+
+def read_light(light: bpy.types.Light, matrix: np.ndarray) -> Light:
+    """The lamp. matrix: (4, 4) to world.
 
     A light's own temperature is in its spectrum (properties.light_spectrum), so it does not tint it again.
     """
     power = float(light.energy) * 2.0 ** blender_versions.light_exposure_stops(light)
-    note = ""
     axes = matrix[:3, :3]
     scales = np.linalg.norm(axes, axis=0)
     directions = axes / np.where(scales > 0.0, scales, 1.0)
+    radius = float(getattr(light, "shadow_soft_size", 0.0))
+    half_u = half_v = 0.0
     kind = {"POINT": LightKind.POINT, "SPOT": LightKind.SPOT, "SUN": LightKind.SUN}.get(light.type)
+    flat = kind is None
     if kind is None:
-        kind = LightKind.POINT
-        note = (
-            f"Light {light.name!r} ({light.type.lower()}) is drawn as a point light of its power."
-        )
+        kind = LightKind.ELLIPSE if light.shape in _ROUND else LightKind.RECTANGLE
+        size_x, size_y = area_size(light)
+        half_u, half_v = 0.5 * size_x * float(scales[0]), 0.5 * size_y * float(scales[1])
     if not blender_versions.light_is_normalised(light):
         # The number is then per area of the lamp: of a sphere's surface, of the sun's disc seen from here.
         if kind is LightKind.SUN:
             power *= math.pi * math.sin(0.5 * float(light.angle)) ** 2
-        elif light.type == "AREA":
-            power *= _area_m2(light) * float(scales[0] * scales[1])
+        elif flat:
+            power *= (math.pi if kind is LightKind.ELLIPSE else 4.0) * half_u * half_v
         else:
-            radius = float(getattr(light, "shadow_soft_size", 0.0))
             power *= 4.0 * math.pi * radius * radius
     red, green, blue = (float(value) for value in light.color)
-    x, y, z = (tuple((directions[:, i] / max(scales[i], 1e-12)).tolist()) for i in range(3))
-    return (
-        Light(
-            kind=kind,
-            position=tuple(matrix[:3, 3].tolist()),
-            to_light=tuple(directions[:, 2].tolist()),
-            power=power if math.isfinite(power) else 0.0,
-            colour=(red, green, blue),
-            spectrum=properties.light_spectrum(light),
-            x_axis=x,
-            y_axis=y,
-            z_axis=z,
-            cone_rad=float(getattr(light, "spot_size", math.pi / 4)),
-            blend=float(getattr(light, "spot_blend", 0.0)),
-        ),
-        note,
+    columns = _flat_axes(directions) if flat else directions / np.maximum(scales, 1e-12)
+    x, y, z = (tuple(columns[:, i].tolist()) for i in range(3))
+    return Light(
+        kind=kind,
+        position=tuple(matrix[:3, 3].tolist()),
+        to_light=tuple(directions[:, 2].tolist()),
+        power=power if math.isfinite(power) else 0.0,
+        colour=(red, green, blue),
+        spectrum=properties.light_spectrum(light),
+        x_axis=x,
+        y_axis=y,
+        z_axis=z,
+        cone_rad=float(getattr(light, "spot_size", math.pi / 4)),
+        blend=float(getattr(light, "spot_blend", 0.0)),
+        radius=0.0 if flat or kind is LightKind.SUN else radius,
+        soft_falloff=bool(getattr(light, "use_soft_falloff", True)),
+        half_angle_rad=0.5 * float(getattr(light, "angle", 0.0)),
+        half_u=half_u,
+        half_v=half_v,
+        spread_rad=float(getattr(light, "spread", math.pi)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import traceback
 
 import bpy
@@ -12,10 +13,12 @@ from ..core.scene_data import SceneData
 from .camera_read import Region, border_region, region_camera, render_camera, whole_size
 from .final_render import FinalPicture, render_final
 from .programs import ShaderError
-from .renderer import Gathering, Renderer, lod_bias_of
+from .renderer import Gathering, Picture, Renderer, lod_bias_of
 from .scene_sync import SceneSync
 
 PART_PASS = "Togishi Part"
+# After so long without a change the viewport is refined.
+REST_S = 0.1
 
 
 class _Viewport:
@@ -27,6 +30,8 @@ class _Viewport:
         self.scene: SceneData | None = None
         self.gathering: Gathering | None = None
         self.gathered: tuple[object, ...] = ()
+        self.moving: Picture | None = None  # what is shown while something moves
+        self.moved_s = 0.0
 
 
 class TogishiRenderEngine(bpy.types.RenderEngine):
@@ -180,17 +185,30 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         camera = region_camera(context.region_data)
         settings = getattr(depsgraph.scene_eval, "togishi", None)
         wanted = max(int(getattr(settings, "viewport_samples", 1)), 1)
-        # While something moves: one sample. When nothing does: further ones are added up.
+        # While something moves: one sample, lamps of a size roughly. When nothing does: those refined, samples added up.
         still = (scene, size, camera.view.tobytes(), camera.projection.tobytes(), wanted)
-        if view.gathered != still:
+        moved = view.gathered != still
+        if moved:
             view.gathered = still
             if view.gathering is not None:
                 view.gathering.restart()
         renderer = view.renderer
-        if wanted == 1:
-            picture = renderer.draw(scene, camera, size)
-            renderer.copy(picture.colour, blend="ALPHA_PREMULT")
-            return
+        sized = any(light.sized and not light.dark for light in scene.lights)
+        if not sized:
+            view.moving = None
+            if wanted == 1:
+                renderer.copy(renderer.draw(scene, camera, size).colour, blend="ALPHA_PREMULT")
+                return
+        elif moved:
+            view.moving = renderer.draw(scene, camera, size, moving=True)
+            view.moved_s = time.monotonic()
+        if view.moving is not None:
+            if time.monotonic() - view.moved_s < REST_S:
+                # The next movement is not kept waiting for a refined picture that nobody will look at.
+                renderer.copy(view.moving.colour, blend="ALPHA_PREMULT")
+                self.tag_redraw()
+                return
+            view.moving = None
         gathering = view.gathering
         if gathering is None or gathering.size != size:
             gathering = view.gathering = Gathering(renderer, size)

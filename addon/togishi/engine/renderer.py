@@ -41,6 +41,9 @@ from .programs import Block, build, float_buffer
 _ROWS = ("model_0", "model_1", "model_2")
 # Blender writes this depth where nothing is.
 FAR_DEPTH = 1.0e10
+# Slices of the lobe for each lamp of a size; their errors and times: docs/light.md.
+MOVING_SLICES = 4
+RESTING_SLICES = 16
 
 
 @dataclass
@@ -200,6 +203,8 @@ class Renderer:
         self._plains: list[_PlainItem] = []
         self._plain_program: ProgramSource | None = None
         self._passes: list[LightPass] = []
+        self._has_areas = False
+        self._slices = RESTING_SLICES
         self._prepared: tuple[object, ...] = ()
 
     # --- pictures -------------------------------------------------------------------------------
@@ -215,10 +220,12 @@ class Renderer:
         lod_bias: float = 0.0,
         bench_61: bool = False,
         every_lamp: bool = False,
+        moving: bool = False,
     ) -> Picture:
         """Colour (half float, or float32) of one sample per pixel. Leaves the GPU state as it found it.
 
         lod_bias: added to the level of maps; -log2(samples)/2 where samples are gathered.
+        moving: lamps of a size by few slices of the lobe; else as they are in a final picture.
         bench_61, every_lamp: slower ways to the same picture, for benchmarks (steel_light_program).
 
         Polished steel is drawn in two halves: its triangles leave normal, depth and lobes, then every pixel
@@ -226,7 +233,7 @@ class Renderer:
         lighting them directly computes a pixel up to five times.
         """
         output_max = shader_source.FLOAT_MAX if float32 else shader_source.HALF_MAX
-        self._prepare(scene, output_max, bench_61, every_lamp)
+        self._prepare(scene, output_max, bench_61, every_lamp, moving)
         space = packing.view_space(camera, size, jitter)
         targets = self._targets_of(size, "RGBA32F" if float32 else "RGBA16F")
         background = self._background(scene, output_max)
@@ -401,7 +408,8 @@ class Renderer:
         """The block "frame" for one pass of lamps; the world belongs to the first."""
         world = scene.world.radiance if index == 0 else (0.0, 0.0, 0.0)
         counts = self._passes[index].counts
-        self._set(self._block("frame"), packing.frame_block(space, world, 0, counts, lod_bias))
+        content = packing.frame_block(space, world, 0, counts, lod_bias, self._slices)
+        self._set(self._block("frame"), content)
 
     def _set_lights(self, space: ViewSpace, index: int) -> None:
         light_pass = self._passes[index]
@@ -409,6 +417,9 @@ class Renderer:
         spots = self._block("spots", index)
         if light_pass.counts.spots or not spots.made:
             self._set(spots, packing.spots_block(light_pass, space))
+        areas = self._block("areas", index)
+        if light_pass.areas or (self._has_areas and not areas.made):
+            self._set(areas, packing.areas_block(light_pass, space))
         self.counters.light_passes += 1
 
     def _bind_lights(self, shader: GPUShader, source: ProgramSource, index: int) -> None:
@@ -417,6 +428,8 @@ class Renderer:
         shader.uniform_block("lights", self._block("lights", index).buffer)
         if "spots" in names:
             shader.uniform_block("spots", self._block("spots", index).buffer)
+        if "areas" in names:
+            shader.uniform_block("areas", self._block("areas", index).buffer)
         if "wavelengths" in names:
             shader.uniform_block("wavelengths", self._wavelengths_block().buffer)
 
@@ -510,7 +523,7 @@ class Renderer:
             shader.uniform_float("object_state", (mirror, float(number), part, 0.0))
         except ValueError:
             # Without light and world nobody reads it, and the compiler has removed it.
-            if any(light_pass.lights for light_pass in self._passes):
+            if any(light_pass.lights or light_pass.areas for light_pass in self._passes):
                 raise
 
     def _steel_block(self, steel: _Steel) -> Block:
@@ -550,16 +563,23 @@ class Renderer:
     # --- what a scene needs on the GPU ----------------------------------------------------------
 
     def _prepare(
-        self, scene: SceneData, output_max: float, bench_61: bool = False, every_lamp: bool = False
+        self,
+        scene: SceneData,
+        output_max: float,
+        bench_61: bool = False,
+        every_lamp: bool = False,
+        moving: bool = False,
     ) -> None:
         """Upload what is new and list what is drawn, unless this very scene was drawn last."""
         self.tables.refresh()
-        prepared = (scene, output_max, bench_61, every_lamp, self.tables.version)
+        prepared = (scene, output_max, bench_61, every_lamp, moving, self.tables.version)
         if self._prepared == prepared:
             return
         self._upload(scene)
         self._passes = packing.light_passes(scene.lights, scene.world)
-        lights = packing.light_variant(self._passes, scene.world)
+        lights = packing.light_variant(self._passes, scene.world, fine=not moving)
+        self._has_areas = lights.areas
+        self._slices = MOVING_SLICES if moving else RESTING_SLICES
         self._plain_program = shader_source.plain_program(lights, output_max=output_max)
         groups: dict[tuple[str, SteelVariant], list[tuple[Instance, _GpuMesh, GPUBatch]]] = {}
         self._plains = []

@@ -128,10 +128,7 @@ class SceneSync:
                     self._instanced_lights = True
                 else:
                     self._light_objects.append(obj.original.session_uid)
-                light, note = read_light(obj.data, matrix_array(item.matrix_world))
-                lights.append(light)
-                if note:
-                    self._light_notes.append(note)
+                lights.append(read_light(obj.data, matrix_array(item.matrix_world)))
             elif obj.type == "MESH":
                 # Curves, texts, surfaces and metaballs come a second time, as instances of their meshes.
                 keys = self._object_materials(obj, materials)
@@ -172,10 +169,7 @@ class SceneSync:
                 continue
             if view3d is not None and not obj.original.visible_in_viewport_get(view3d):
                 continue
-            light, note = read_light(obj.data, matrix_array(obj.matrix_world))
-            lights.append(light)
-            if note:
-                self._light_notes.append(note)
+            lights.append(read_light(obj.data, matrix_array(obj.matrix_world)))
         world, note = read_world(depsgraph.scene_eval.world)
         if note:
             self._light_notes.append(note)

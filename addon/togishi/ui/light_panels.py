@@ -6,6 +6,7 @@ import bpy
 
 from .. import properties
 from ..core import native, spectrum_spec
+from .light_size import size_sentence
 from .sentences import draw_sentence
 
 # Property and label: the properties' own names are too long for a sidebar.
@@ -46,8 +47,7 @@ class TOGISHI_PT_light(bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         draw_spectrum(layout, context.light.togishi, properties.light_spectrum(context.light))
-        if context.light.type == "AREA":
-            draw_sentence(layout, "Togishi draws it as a point light", "ERROR")
+        draw_sentence(layout, size_sentence(context.light), "LIGHT")
 
 
 class TOGISHI_PT_world(bpy.types.Panel):

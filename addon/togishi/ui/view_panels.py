@@ -8,7 +8,9 @@ from .. import blade_object, properties
 from ..core import native
 from ..core.light_presets import PRESETS
 from .light_panels import draw_spectrum
+from .light_size import size_sentence
 from .material_panels import draw_maps, draw_nodes, draw_steel
+from .sentences import draw_sentence
 
 
 class _ViewPanel:
@@ -87,6 +89,7 @@ class TOGISHI_PT_view_lights(_ViewPanel, bpy.types.Panel):
             layout.prop(
                 active.data, "energy", text="Strength" if active.data.type == "SUN" else "Power"
             )
+            draw_sentence(layout, size_sentence(active.data), "LIGHT")
 
 
 class TOGISHI_PT_view_nodes(_BladePanel, bpy.types.Panel):

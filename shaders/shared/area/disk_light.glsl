@@ -27,8 +27,8 @@ TG_FN vec3 slice_angle_gradient(LobePencil p, FlatFootprint f) {
 
 // Slices across the rim where the lobe is nearest to it: they meet it steeply, and its curvature is left to the sum over slices.
 // light: half_u, half_v of the ellipse that has these directions.
-TG_FN DiskSlices disk_layout(FlatLight light, TangentFrame frame, vec3 view, LobeForm form) {
-    vec3 mirror = frame.normal * (float(2.0) * dot(frame.normal, view)) - view;
+TG_FN DiskSlices disk_layout(FlatLight light, TangentFrame axes, vec3 view, LobeForm form) {
+    vec3 mirror = axes.normal * (float(2.0) * dot(axes.normal, view)) - view;
     float height = flat_light_height(light);
     float towards = -dot(mirror, cross(light.u, light.v));
     float reach = length(light.centre);
@@ -39,7 +39,7 @@ TG_FN DiskSlices disk_layout(FlatLight light, TangentFrame frame, vec3 view, Lob
     float shrink = float(1.0) / max(sqrt(u * u + v * v), float(1.0));
     u = u * shrink * light.half_u;
     v = v * shrink * light.half_v;
-    FlatFootprint f = flat_footprint_at(light, frame, view, form, u, v);
+    FlatFootprint f = flat_footprint_at(light, axes, view, form, u, v);
     // The outline in the lobe's measure: centre + a cos + b sin.
     vec2 a = f.z_u * light.half_u;
     vec2 b = f.z_v * light.half_v;
@@ -64,7 +64,7 @@ TG_FN DiskSlices disk_layout(FlatLight light, TangentFrame frame, vec3 view, Lob
     float inv = float(1.0) / max(max(abs(c_u), abs(c_v)), float(1.0e-30));
     vec3 turn = f.turn_u * (c_u * inv) + f.turn_v * (c_v * inv);
     DiskSlices r;
-    r.pencil = lobe_pencil(frame, view, form, slice_pole(frame, f.half_vector, turn));
+    r.pencil = lobe_pencil(axes, view, form, slice_pole(axes, f.half_vector, turn));
     r.brightest = slice_angle_gradient(r.pencil, f).x;
     return r;
 }
@@ -186,7 +186,7 @@ TG_FN DiskSlices disk_finish(DiskSlices slices, vec2 ends, int count) {
 
 // The round cone of half angle `angle` about `axis`: a sphere of radius r at distance d has sin(angle) = r/d, a sun half of the angle
 // that it is seen under. angle below TG_MIN_HALF_ANGLE is widened to it (cosine says what is used); at most 1.5.
-TG_FN DiskSlices cone_slices(vec3 axis, float angle, TangentFrame frame, vec3 view, LobeForm form, int count) {
+TG_FN DiskSlices cone_slices(vec3 axis, float angle, TangentFrame axes, vec3 view, LobeForm form, int count) {
     float wide = clamp(angle, TG_MIN_HALF_ANGLE, float(1.5));
     vec3 some = abs(axis.x) < float(0.6) ? vec3(float(1.0), float(0.0), float(0.0)) : vec3(float(0.0), float(1.0), float(0.0));
     TangentFrame around = tangent_frame(axis * float(-1.0), some);
@@ -196,7 +196,7 @@ TG_FN DiskSlices cone_slices(vec3 axis, float angle, TangentFrame frame, vec3 vi
     flat_part.v = around.bitangent;
     flat_part.half_u = tan(min(wide, float(1.4)));
     flat_part.half_v = flat_part.half_u;
-    DiskSlices r = disk_layout(flat_part, frame, view, form);
+    DiskSlices r = disk_layout(flat_part, axes, view, form);
     r.axis = axis;
     r.cosine = cos(wide);
     r.sine_of_half = sin(float(0.5) * wide);
@@ -226,8 +226,8 @@ TG_FN DiskSlices cone_slices(vec3 axis, float angle, TangentFrame frame, vec3 vi
     return disk_finish(r, ends, count);
 }
 
-TG_FN DiskSlices ellipse_slices(FlatLight light, TangentFrame frame, vec3 view, LobeForm form, int count) {
-    DiskSlices r = disk_layout(light, frame, view, form);
+TG_FN DiskSlices ellipse_slices(FlatLight light, TangentFrame axes, vec3 view, LobeForm form, int count) {
+    DiskSlices r = disk_layout(light, axes, view, form);
     vec3 n = cross(light.u, light.v);
     float cn = dot(light.centre, n);
     r.axis = unit_or_zero(light.centre);
@@ -242,17 +242,17 @@ TG_FN DiskSlices ellipse_slices(FlatLight light, TangentFrame frame, vec3 view, 
         float u = float(0.0);
         float v = float(0.0);
         for (int i = 0; i < 5; i = i + 1) {
-            vec3 g = slice_angle_gradient(r.pencil, flat_footprint_at(light, frame, view, form, u, v));
+            vec3 g = slice_angle_gradient(r.pencil, flat_footprint_at(light, axes, view, form, u, v));
             float gu = g.y * light.half_u;
             float gv = g.z * light.half_v;
             float inv = sign / max(sqrt(gu * gu + gv * gv), float(1.0e-20));
             u = gu * inv * light.half_u;
             v = gv * inv * light.half_v;
         }
-        float alpha = slice_angle_gradient(r.pencil, flat_footprint_at(light, frame, view, form, u, v)).x;
+        float alpha = slice_angle_gradient(r.pencil, flat_footprint_at(light, axes, view, form, u, v)).x;
         // An end below the horizon is not the end that counts.
         vec3 p = light.centre + light.u * u + light.v * v;
-        alpha = dot(p, frame.normal) > float(0.0) ? alpha : sign * float(1.5);
+        alpha = dot(p, axes.normal) > float(0.0) ? alpha : sign * float(1.5);
         ends = side == 0 ? vec2(alpha, ends.y) : vec2(ends.x, alpha);
     }
     r = disk_finish(r, ends, count);

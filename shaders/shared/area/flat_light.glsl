@@ -41,14 +41,14 @@ struct FlatFootprint {
     vec2 z_v;
 };
 
-TG_FN vec2 whitened_facet(TangentFrame frame, LobeForm form, vec3 h) {
-    float x = dot(h, frame.tangent);
-    float y = dot(h, frame.bitangent);
+TG_FN vec2 whitened_facet(TangentFrame axes, LobeForm form, vec3 h) {
+    float x = dot(h, axes.tangent);
+    float y = dot(h, axes.bitangent);
     float k = sqrt(float(2.0) / form.xx);
     return vec2(k * (form.xx * x + form.xy * y), k * form.scale * y);
 }
 
-TG_FN FlatFootprint flat_footprint_at(FlatLight light, TangentFrame frame, vec3 view, LobeForm form, float u, float v) {
+TG_FN FlatFootprint flat_footprint_at(FlatLight light, TangentFrame axes, vec3 view, LobeForm form, float u, float v) {
     FlatFootprint f;
     f.u = u;
     f.v = v;
@@ -62,15 +62,15 @@ TG_FN FlatFootprint flat_footprint_at(FlatLight light, TangentFrame frame, vec3 
     vec3 dv = (light.v - direction * dot(direction, light.v)) * (inv_r * inv_s);
     f.turn_u = du - f.half_vector * dot(f.half_vector, du);
     f.turn_v = dv - f.half_vector * dot(f.half_vector, dv);
-    f.z = whitened_facet(frame, form, f.half_vector);
-    f.z_u = whitened_facet(frame, form, f.turn_u);
-    f.z_v = whitened_facet(frame, form, f.turn_v);
+    f.z = whitened_facet(axes, form, f.half_vector);
+    f.z_u = whitened_facet(axes, form, f.turn_u);
+    f.z_v = whitened_facet(axes, form, f.turn_v);
     return f;
 }
 
 // The point of the light nearest to the mirror direction, then nearest in the lobe's own measure.
-TG_FN FlatFootprint flat_footprint(FlatLight light, TangentFrame frame, vec3 view, LobeForm form) {
-    vec3 mirror = frame.normal * (float(2.0) * dot(frame.normal, view)) - view;
+TG_FN FlatFootprint flat_footprint(FlatLight light, TangentFrame axes, vec3 view, LobeForm form) {
+    vec3 mirror = axes.normal * (float(2.0) * dot(axes.normal, view)) - view;
     float height = flat_light_height(light);
     float towards = -dot(mirror, cross(light.u, light.v));
     // The mirror ray may run along the light or away from it: then its point at the light's distance.
@@ -79,7 +79,7 @@ TG_FN FlatFootprint flat_footprint(FlatLight light, TangentFrame frame, vec3 vie
     vec3 hit = mirror * s - light.centre;
     float u = clamp(dot(hit, light.u), -light.half_u, light.half_u);
     float v = clamp(dot(hit, light.v), -light.half_v, light.half_v);
-    FlatFootprint f = flat_footprint_at(light, frame, view, form, u, v);
+    FlatFootprint f = flat_footprint_at(light, axes, view, form, u, v);
     float uu = max(dot(f.z_u, f.z_u), float(1.0e-20));
     float vv = max(dot(f.z_v, f.z_v), float(1.0e-20));
     for (int i = 0; i < 2; i = i + 1) {
@@ -89,14 +89,14 @@ TG_FN FlatFootprint flat_footprint(FlatLight light, TangentFrame frame, vec3 vie
         u = next_u;
         v = clamp(v - dot(z, f.z_v) / vv, -light.half_v, light.half_v);
     }
-    return flat_footprint_at(light, frame, view, form, u, v);
+    return flat_footprint_at(light, axes, view, form, u, v);
 }
 
 // The pole of slices that run in the direction in which the facet turns at h.
-TG_FN vec3 slice_pole(TangentFrame frame, vec3 h, vec3 turn) {
-    vec3 w = turn * dot(frame.normal, h) - h * dot(frame.normal, turn);
-    w = w - frame.normal * dot(frame.normal, w);
+TG_FN vec3 slice_pole(TangentFrame axes, vec3 h, vec3 turn) {
+    vec3 w = turn * dot(axes.normal, h) - h * dot(axes.normal, turn);
+    w = w - axes.normal * dot(axes.normal, w);
     float n2 = dot(w, w);
     float t2 = dot(turn, turn);
-    return n2 > float(1.0e-12) * t2 && n2 > float(1.0e-30) ? w * (float(1.0) / sqrt(n2)) : frame.tangent;
+    return n2 > float(1.0e-12) * t2 && n2 > float(1.0e-30) ? w * (float(1.0) / sqrt(n2)) : axes.tangent;
 }

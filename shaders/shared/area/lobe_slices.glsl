@@ -82,14 +82,14 @@ TG_FN float slice_reach(int count) {
 }
 
 // Great circles through `along` (perpendicular to N, unit).
-TG_FN LobePencil lobe_pencil(TangentFrame frame, vec3 view, LobeForm form, vec3 along) {
+TG_FN LobePencil lobe_pencil(TangentFrame axes, vec3 view, LobeForm form, vec3 along) {
     LobePencil p;
-    p.normal = frame.normal;
+    p.normal = axes.normal;
     p.along = along;
-    p.outward = plain_cross(along, frame.normal);
+    p.outward = plain_cross(along, axes.normal);
     p.view = view;
-    float ot = dot(p.outward, frame.tangent);
-    float ob = dot(p.outward, frame.bitangent);
+    float ot = dot(p.outward, axes.tangent);
+    float ob = dot(p.outward, axes.bitangent);
     // Cofactors of a turn: along = (-ob, ot) up to rounding. Whitened first, as lobe_value is.
     float inv = float(1.0) / sqrt(form.xx);
     float o1 = (form.xx * ot + form.xy * ob) * inv;

@@ -117,16 +117,16 @@ TG_FN float rectangle_end(RectangleSlices r, float end, float limit, float step)
     return limit;
 }
 
-TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame frame, vec3 view, LobeForm form, int count) {
+TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame axes, vec3 view, LobeForm form, int count) {
     RectangleSlices r;
-    FlatFootprint f = flat_footprint(light, frame, view, form);
+    FlatFootprint f = flat_footprint(light, axes, view, form);
     float length_u = sqrt(dot(f.z_u, f.z_u));
     float length_v = sqrt(dot(f.z_v, f.z_v));
     // Slices run along the side that is the shorter one in the lobe's measure.
     bool along_u = light.half_u * length_u < light.half_v * length_v;
     vec3 turn = along_u ? f.turn_u : f.turn_v;
     vec3 across = along_u ? f.turn_v : f.turn_u;
-    r.pencil = lobe_pencil(frame, view, form, slice_pole(frame, f.half_vector, turn));
+    r.pencil = lobe_pencil(axes, view, form, slice_pole(axes, f.half_vector, turn));
     float widths = slice_reach(count);
     vec2 reach = pencil_reach(r.pencil, widths);
     // Where the light is a strip narrower than the lobe, only its own part of the lobe counts.
@@ -171,7 +171,7 @@ TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame frame, vec3
         float o = side == 0 ? -half_o : half_o;
         vec2 z = f.z + unit_o * (length_o * (o - at_o));
         float s = clamp(at_i - dot(z, unit_i) / length_i, -half_i, half_i);
-        FlatFootprint g = flat_footprint_at(light, frame, view, form, along_u ? s : o, along_u ? o : s);
+        FlatFootprint g = flat_footprint_at(light, axes, view, form, along_u ? s : o, along_u ? o : s);
         vec2 g_i = along_u ? g.z_u : g.z_v;
         float inv_i = float(1.0) / sqrt(max(dot(g_i, g_i), float(1.0e-20)));
         s = clamp(s - dot(g.z, g_i) * inv_i * inv_i, -half_i, half_i);

@@ -1,0 +1,164 @@
+// Lamps of a size (shared/area_lights.glsl) in a pixel.
+//   TG_RECTANGLES, TG_ROUNDS   which outlines the scene has
+//   TG_FINE                    round ones by nodes that resolve G's bends: the picture at rest
+#include "shared/area_lights.glsl"
+
+#define TG_AREA_ELLIPSE 1
+#define TG_AREA_SPOT 3
+#define TG_AREA_SUN 4
+
+// A lamp as the pixel's point sees it.
+struct AreaSeen {
+    int kind;
+    vec3 axis;        // unit, to its middle
+    float bound_rad;  // none of it is farther from the axis
+    float angle_rad;  // cones: half angle
+    float radiance;   // of a lamp of RGB 1; 0: not seen
+    FlatLight outline;
+};
+
+// One lobe of the surface, as everything that follows needs it.
+struct AreaLobe {
+    LobeForm form;
+    TangentFrame axes;
+    vec3 view;
+    float n_dot_v;
+    float widest;   // lower bound of the exponent over phi^2
+    bool at_theta_i; // F's angle: the ji's, else the hamon's
+    bool shadowed;  // G/cos(theta_r) multiplies
+    int row;
+};
+
+// What is reflected of one direction of a lamp of radiance 1, without the weight of the lobe. Each program has its own.
+vec3 node_colour(LightNode node, AreaLobe q);
+
+AreaSeen area_seen(TgArea area, vec3 place) {
+    AreaSeen seen;
+    seen.kind = int(area.place.w + 0.5);
+    vec3 to_lamp = area.place.xyz - (seen.kind == TG_AREA_SUN ? vec3(0.0) : place);
+    float distance_squared = max(dot(to_lamp, to_lamp), TG_MIN_DISTANCE_SQUARED);
+    float inv = inversesqrt(distance_squared);
+    seen.axis = to_lamp * inv;
+    seen.angle_rad = 0.0;
+    seen.outline.centre = to_lamp;
+    if (seen.kind <= TG_AREA_ELLIPSE) {
+        seen.outline = flat_light(to_lamp, area.axis_x.xyz, area.axis_y.xyz, area.size.x, area.size.y);
+        float half_u = seen.outline.half_u;
+        float half_v = seen.outline.half_v;
+        float reach = seen.kind == TG_AREA_ELLIPSE ? max(half_u, half_v) : sqrt(half_u * half_u + half_v * half_v);
+        seen.bound_rad = reach * inv < 1.0 ? asin(reach * inv) : TG_PI;
+        float share = seen.kind == TG_AREA_ELLIPSE ? TG_PI : 4.0;
+        seen.radiance = light_area_radiance(1.0, share * half_u * half_v);
+        seen.radiance = flat_light_height(seen.outline) > 0.0 ? seen.radiance : 0.0;
+    } else {
+        bool sun = seen.kind == TG_AREA_SUN;
+        bool soft = area.size.y > 0.5;
+        float tangent = area.size.x * inv;
+        float ball = soft ? atan(tangent) : asin(min(tangent, 1.0));
+        // As cone_slices widens it.
+        seen.angle_rad = clamp(sun ? area.size.x : ball, TG_MIN_HALF_ANGLE, 1.5);
+        seen.bound_rad = seen.angle_rad;
+        float squared = distance_squared + (soft ? area.size.x * area.size.x : 0.0);
+        float facing = sun ? 1.0 : light_point_intensity(1.0) * light_distance_falloff(squared);
+        seen.radiance = light_cone_radiance(facing, seen.angle_rad);
+        // From inside a sphere is dark; soft, it is a disk that faces every point.
+        seen.radiance = !sun && !soft && tangent >= 1.0 ? 0.0 : seen.radiance;
+    }
+    return seen;
+}
+
+// Share of the lamp's radiance that it sends along -direction.
+float area_emission(TgArea area, AreaSeen seen, vec3 direction) {
+    if (seen.kind <= TG_AREA_ELLIPSE) {
+        if (area.size.z <= 0.0) {
+            return 1.0;
+        }
+        float cosine = max(-dot(direction, cross(area.axis_x.xyz, area.axis_y.xyz)), 1.0e-6);
+        float tangent = sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
+        return light_area_spread(tangent, area.size.z, area.size.w);
+    }
+    if (seen.kind == TG_AREA_SPOT) {
+        vec3 in_lamp = -vec3(dot(area.axis_x.xyz, direction), dot(area.axis_y.xyz, direction), dot(area.axis_z.xyz, direction));
+        float cos_angle = in_lamp.z * inversesqrt(max(dot(in_lamp, in_lamp), 1.0e-20));
+        return light_spot_blend(cos_angle, area.size.w, area.size.z);
+    }
+    return 1.0;
+}
+
+// Whether the lobe reflects any of the lamp: its facets are at least half as far from N as L is from the mirror direction.
+bool area_reached(AreaSeen seen, AreaLobe q) {
+    vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
+    float away = min(seen.bound_rad + 2.0 * sqrt(TG_DARK_EXPONENT / q.widest), TG_PI);
+    return seen.radiance > 0.0 && dot(mirror, seen.axis) >= cos(away);
+}
+
+vec3 slice_colour(LightSlice slice, TgArea area, AreaSeen seen, AreaLobe q) {
+    return node_colour(slice.first, q) * (slice.first.measure * area_emission(area, seen, slice.first.direction)) +
+           node_colour(slice.second, q) * (slice.second.measure * area_emission(area, seen, slice.second.direction));
+}
+
+// What the lobe reflects of the lamp, without the weight of the lobe and the lamp's colour.
+vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
+    vec3 sum = vec3(0.0);
+    int count = int(frame.view.z);
+#ifdef TG_RECTANGLES
+    int rectangle = seen.kind == 0 ? 1 : 0;
+    for (int once = 0; once < rectangle; ++once) {
+        RectangleSlices slices = rectangle_slices(seen.outline, q.axes, q.view, q.form, count);
+        for (int k = 0; k < count; ++k) {
+            sum += slice_colour(rectangle_slice(slices, count, k), area, seen, q);
+        }
+    }
+#endif
+#ifdef TG_ROUNDS
+    int rounds = seen.kind == 0 ? 0 : 1;
+    for (int once = 0; once < rounds; ++once) {
+        DiskSlices slices;
+        if (seen.kind == TG_AREA_ELLIPSE) {
+            slices = ellipse_slices(seen.outline, q.axes, q.view, q.form, count);
+        } else {
+            slices = cone_slices(seen.axis, seen.angle_rad, q.axes, q.view, q.form, count);
+        }
+        for (int k = 0; k < count; ++k) {
+#ifdef TG_FINE
+            SliceParts parts = disk_slice_fine(slices, count, k);
+            sum += slice_colour(parts.lower, area, seen, q) + slice_colour(parts.middle, area, seen, q) +
+                   slice_colour(parts.upper, area, seen, q);
+#else
+            sum += slice_colour(disk_slice(slices, count, k), area, seen, q);
+#endif
+        }
+    }
+#endif
+    return sum * seen.radiance;
+}
+
+// Mean of area_emission over the lamp: at sixteen points of it, along a spiral or, in a rectangle, a lattice.
+float mean_emission(TgArea area, AreaSeen seen) {
+    bool all_alike = seen.kind <= TG_AREA_ELLIPSE ? area.size.z <= 0.0 : seen.kind != TG_AREA_SPOT;
+    int points = all_alike ? 0 : 16;
+    TangentFrame around = tangent_frame(seen.axis, area.axis_x.xyz);
+    float sum = 0.0;
+    for (int k = 0; k < points; ++k) {
+        float share = (float(k) + 0.5) / 16.0;
+        float turn = 2.39996323 * float(k);
+        vec2 at = sqrt(share) * vec2(cos(turn), sin(turn));
+        at = seen.kind == 0 ? vec2(2.0 * share - 1.0, 2.0 * fract(0.61803399 * float(k)) - 1.0) : at;
+        vec3 on_cone = seen.axis + (around.tangent * at.x + around.bitangent * at.y) * tan(seen.angle_rad);
+        vec3 on_flat = seen.outline.centre + area.axis_x.xyz * (at.x * area.size.x) + area.axis_y.xyz * (at.y * area.size.y);
+        sum += area_emission(area, seen, unit_or_zero(seen.kind <= TG_AREA_ELLIPSE ? on_flat : on_cone));
+    }
+    return all_alike ? 1.0 : sum / 16.0;
+}
+
+// Irradiance on a matt surface, of a lamp of RGB 1.
+float area_irradiance(TgArea area, AreaSeen seen, vec3 normal) {
+    float directions = seen.kind <= TG_AREA_ELLIPSE
+                           ? flat_irradiance(seen.outline, seen.kind == TG_AREA_ELLIPSE, normal)
+                           : cone_irradiance(seen.axis, seen.angle_rad, normal);
+    return directions * seen.radiance * mean_emission(area, seen);
+}
+
+float shadowed_node(LightNode node, AreaLobe q) {
+    return q.shadowed ? shadowing_over_cos_r(node.n_dot_h, q.n_dot_v, max(node.n_dot_l, TG_MIN_COS), node.v_dot_h) : 1.0;
+}
