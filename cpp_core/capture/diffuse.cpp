@@ -240,9 +240,12 @@ std::vector<Vector> starts_of(const Pixel& pixel, bool fit_mu) {
 
 Answer solve_pixel(const Pixel& pixel, bool fit_mu) {
     Answer answer;
+    const std::vector<Vector> starts = starts_of(pixel, fit_mu);
     std::vector<Vector> found;
     std::vector<double> costs;
-    for (const Vector& start : starts_of(pixel, fit_mu)) {
+    found.reserve(starts.size());
+    costs.reserve(starts.size());
+    for (const Vector& start : starts) {
         found.push_back(pixel.refine(start));
         costs.push_back(pixel.cost(found.back()));
     }

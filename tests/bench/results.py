@@ -33,7 +33,11 @@ AREAS: Mapping[str, Sequence[Path]] = {
     "package": [BENCH / "package.py"],
     "fit": [BENCH / "fit.py"],
     "light": [BENCH / "light.py"],
-    "capture": [BENCH / "capture_diffuse.py", BENCH / "capture_lights.py"],
+    "capture": [
+        BENCH / "capture_diffuse.py",
+        BENCH / "capture_round_trip.py",
+        BENCH / "capture_lights.py",
+    ],
 }
 """Area -> its measuring commands (bench_rows.py says what they write). Ids of rows begin with the area."""
 
