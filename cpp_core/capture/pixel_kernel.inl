@@ -596,7 +596,7 @@ struct Fit {
             const I weighted = weight_of(i) > 0.0F;
             used += weighted ? one : none;
             clipped += t < 0.0F ? one : none;
-            lit += weighted & (t > 0.0F) & (lo.s1 * lo.s1 > 16.0F * photons) ? one : none;
+            lit += (weighted & (t > 0.0F) & (lo.s1 * lo.s1 > 16.0F * photons)) ? one : none;
         }
         V beyond[np];
         for (int a = 0; a < np; ++a) beyond[a] = x[a];
