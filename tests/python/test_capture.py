@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
 import togishi_core as core
 
-WIDTH, HEIGHT = 96, 24
+WIDTH, HEIGHT = 32, 6
 # A flat plate under two distant boxes: every pixel sees them as the plan's middle does, within the noise.
 SETUP = f"""format = 1
 scale = 1.0
@@ -20,7 +22,7 @@ bits = 16
 kind = "orthographic"
 width_px = {WIDTH}
 height_px = {HEIGHT}
-scale_px_per_mm = 24.0
+scale_px_per_mm = 8.0
 position_mm = [0.0, 0.0, 0.0]
 right = [-1.0, 0.0, 0.0]
 down = [0.0, 0.0, -1.0]
@@ -61,7 +63,7 @@ def plates(plan: dict, mu_deg: np.ndarray) -> dict[str, np.ndarray]:
 def test_a_set_up_says_what_it_holds(tmp_path):
     s = setup(tmp_path)
     assert s.surface == "plate" and s.camera_fit is None and s.landmarks == []
-    assert s.camera["scale"] == 24.0 and s.camera["right"] == (-1.0, 0.0, 0.0)
+    assert s.camera["scale"] == 8.0 and s.camera["right"] == (-1.0, 0.0, 0.0)
     assert [Path(file).name for file in s.files] == ["one.tif", "two.tif"]
     again = core.parse_capture_setup(s.to_toml(), s.file)
     assert again.to_toml() == s.to_toml()
@@ -167,10 +169,21 @@ def test_many_lights_plan_run_and_resume(tmp_path):
     stack = Stack(lights, 150, 70, 8.0)
     target = tmp_path / "map.exr"
     options = {"band_rows": 64, "light_error_deg": 0.2}
+    asked = Event()
+
+    def stop(_share: float) -> bool:
+        asked.set()
+        return False
+
+    def read_when_asked(picture: int, begin: int, end: int) -> np.ndarray:
+        assert asked.wait(30.0)
+        time.sleep(0.02)
+        return Stack.read(stack, picture, begin, end)
+
+    stack.read = read_when_asked
     with pytest.raises(InterruptedError, match="bands are kept"):
-        core.capture_lights(
-            str(path), stack, str(target), options, progress=lambda share: share <= 0
-        )
+        core.capture_lights(str(path), stack, str(target), options, progress=stop)
+    del stack.read
     shares: list[float] = []
     tiles = core.capture_lights(str(path), stack, str(target), options, progress=shares.append)
     assert (tiles.width, tiles.height, tiles.bands) == (70, 150, 3)
