@@ -141,6 +141,8 @@ CASES = [
     ("SPOT", spot_edge),
     ("SPOT", spot_turned),
     ("SPOT", spot_scaled),
+]
+SIZED = [
     ("POINT", sphere),
     ("POINT", sphere_across_the_horizon),
     ("POINT", sphere_scaled),
@@ -203,6 +205,13 @@ def card_value(
     image = bpy.data.images.load(path)
     pixels = np.array(image.pixels[:]).reshape(8, 8, 4)
     return pixels[..., :3].mean(axis=(0, 1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "setup"), SIZED, ids=lambda value: getattr(value, "__name__", value)
+)
+def test_grey_card_under_a_lamp_of_a_size_as_in_cycles(addon, tmp_path, kind, setup):
+    test_grey_card_as_in_cycles(addon, tmp_path, kind, setup, 0.8)
 
 
 @pytest.mark.parametrize("albedo", [0.18, 0.8])
