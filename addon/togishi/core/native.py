@@ -31,6 +31,9 @@ REQUIRED = (
     "encode_lobe",
     "fit_scans",
     "fit_pictures",
+    "capture_diffuse",
+    "capture_lights",
+    "capture_project",
 )
 
 

@@ -34,10 +34,6 @@ def can_read() -> tuple[tuple[object, str], ...]:
     """The conditions of everything that reads photographs."""
     return (
         (
-            native.problem() or hasattr(native.core(), "capture_lights"),
-            "The native module is too old for photographs; install the extension anew",
-        ),
-        (
             map_files.open_image_io() is not None,
             "This Blender has no OpenImageIO, which reads the photographs; the official builds have",
         ),
