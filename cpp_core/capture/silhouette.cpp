@@ -139,7 +139,8 @@ class EdgeFinder {
             const double v = std::abs(at(point.pixel + (t + 1) * point.outwards) -
                                       at(point.pixel + (t - 1) * point.outwards));
             if (!std::isfinite(v)) continue;
-            rise[static_cast<std::size_t>(k + n)] = v;
+            const int index = k + n;
+            rise[static_cast<std::size_t>(index)] = v;
             most = std::max(most, v);
         }
         constexpr double least_of_range = 0.05, least_of_most = 0.4;

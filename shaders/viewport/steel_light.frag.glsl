@@ -127,7 +127,7 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
     int lobes = 2;
 #endif
     for (int lobe = 0; lobe < lobes; ++lobe) {
-        float constant = s.chi;
+        float own_weight = s.chi;
         float share = 1.0;
         q.form = s.ji;
         q.at_theta_i = lobe == 0;
@@ -139,22 +139,22 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
         share = (1.0 - w) * (1.0 - h);
         if (lobe == 1) {
             q.form = s.ha;
-            constant = s.beta_ha;
+            own_weight = s.beta_ha;
             share = w;
         }
 #ifdef TG_HADORI
         if (lobe == 2) {
             q.form = s.hadori;
-            constant = s.beta_hadori;
+            own_weight = s.beta_hadori;
             share = (1.0 - w) * h;
         }
 #endif
 #endif
         q.widest = max(least(q.form), 1.0e-6);
-        q.shadowed = !q.at_theta_i || constant < 0.0;
+        q.shadowed = !q.at_theta_i || own_weight < 0.0;
         int times = share > 0.0 && area_reached(seen, q) ? 1 : 0;
         for (int once = 0; once < times; ++once) {
-            float weight = share * (constant < 0.0 ? lobe_normalised_weight(q.form) : constant);
+            float weight = share * (own_weight < 0.0 ? lobe_normalised_weight(q.form) : own_weight);
             sum += area_reflection(area, seen, q) * weight;
         }
     }
