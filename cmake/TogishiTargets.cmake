@@ -16,10 +16,12 @@ target_compile_definitions(togishi_flags INTERFACE GLM_FORCE_XYZW_ONLY GLM_FORCE
 target_link_libraries(togishi_flags INTERFACE Threads::Threads)
 if(TOGISHI_SANITIZE)
     target_compile_options(togishi_flags INTERFACE -fsanitize=${TOGISHI_SANITIZE} -fno-omit-frame-pointer
-                                                   -fno-sanitize-recover=all
-        # g++ 12 no longer follows initialisations through what the thread sanitizer inserts.
-        $<$<AND:$<CXX_COMPILER_ID:GNU>,$<STREQUAL:${TOGISHI_SANITIZE},thread>>:-Wno-maybe-uninitialized>)
+                                                   -fno-sanitize-recover=all)
     target_link_options(togishi_flags INTERFACE -fsanitize=${TOGISHI_SANITIZE})
+    if(TOGISHI_SANITIZE STREQUAL "thread")
+        # g++ 12 no longer follows initialisations through what the thread sanitizer inserts.
+        target_compile_options(togishi_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    endif()
 endif()
 
 # togishi_library(name [DEPENDS targets...]): the static library of the current folder, from its *.cpp.
