@@ -89,7 +89,8 @@ report(theirs=bool(np.array_equal(by_blender, rgba) and np.array_equal(by_openim
 # What the add-on writes: named channels through an OpenImageIO, and the pair through Blender's own library.
 map_files, map_channels = part("map_files"), part("core.map_channels")
 names = (*map_channels.LOBES, *map_channels.SHAPE)
-values = sample(len(names), seed=2)
+# Within what a map may hold: shares and squeezes from 0 to .5. Other values are mended on the way, with a warning.
+values = np.abs(sample(len(names), seed=2)) % np.float32(0.5)
 maps = {name: np.ascontiguousarray(values[..., index]) for index, name in enumerate(names)}
 report(uses=map_files.open_image_io().__file__)
 (named,) = map_files.save(maps, here / "maps.exr")
