@@ -414,6 +414,18 @@ def move_light(life: Life) -> Steps:
     changed(before, after, "moving a light")
 
 
+@step("give a light a size")
+def size_light(life: Life) -> Steps:
+    """A lamp of a size has programs of its own; taken away again, the picture is the former."""
+    before = yield from life.picture()
+    data, kept = lamp().data, lamp().data.shadow_soft_size
+    data.shadow_soft_size = 0.3
+    changed(before, (yield from life.picture()), "a lamp's radius")
+    data.shadow_soft_size = kept
+    again = yield from life.picture()
+    need(bool(np.allclose(before, again, atol=2e-3)), "the lamp's radius left a trace")
+
+
 @step("change a light's spectrum")
 def change_spectrum(life: Life) -> Steps:
     with as_user():
@@ -527,6 +539,34 @@ def fit_measurement(life: Life) -> Steps:
     with as_user():
         bpy.ops.scene.togishi_measurement_apply(part="hadori")
     need(steel().togishi.hadori.mu_t_deg != before, "the fit did not reach the material")
+
+
+@step("photographs to maps")
+def photographs(life: Life) -> None:
+    """A stack under sixteen lights; in a build without OpenImageIO the button says that it is missing."""
+    image_io = part("map_files").open_image_io()
+    if image_io is None:
+        need(not bpy.ops.scene.togishi_photographs.poll(), "photographs without OpenImageIO")
+        life.note = "no OpenImageIO in this build"
+        return
+    folder = OPTIONS.out / "photographs"
+    folder.mkdir(exist_ok=True)
+    angle, zenith = 2.399963 * np.arange(16), np.radians(np.linspace(8.0, 45.0, 16))
+    lines = ["16"]
+    for index in range(16):
+        signal = 0.8 * np.exp(-np.log(2.0) * (np.degrees(zenith[index]) / 16.0) ** 2)
+        part("core.photographs").write_planes(
+            image_io, folder / f"{index}.exr", ["Y"], np.full((8, 32, 1), signal, np.float32)
+        )
+        x, y = np.sin(zenith[index]) * np.array([np.cos(angle[index]), np.sin(angle[index])])
+        lines.append(f"{index}.exr {x:.9f} {y:.9f} {np.cos(zenith[index]):.9f}")
+    (folder / "stack.lp").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with as_user():
+        bpy.ops.scene.togishi_photographs(filepath=str(folder / "stack.lp"))
+        bpy.ops.scene.togishi_photographs_run()
+    found = bpy.context.scene.togishi_photographs.found
+    need("flagged" in found, f"the photographs gave no maps: {found!r}")
+    need((folder / "stack-lights.exr").stat().st_size > 0, "no file of maps")
 
 
 @step("edit the blade's dimensions")
