@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -23,8 +24,9 @@ TILE = 64
 FORMAT = 1
 
 
+@cache
 def open_image_io() -> ModuleType | None:
-    """Blender's own OpenImageIO module, or None. In the bpy wheels its folder is not on sys.path."""
+    """Asked by every draw of a panel, so found once. Blender's own OpenImageIO module, or None. In the bpy wheels its folder is not on sys.path."""
     try:
         return importlib.import_module("OpenImageIO")
     except ImportError:

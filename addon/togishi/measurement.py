@@ -14,6 +14,7 @@ import numpy as np
 from bpy.props import CollectionProperty, PointerProperty, StringProperty
 from numpy.typing import NDArray
 
+from . import data_blocks
 from .background_job import BackgroundJob, running
 
 
@@ -87,21 +88,10 @@ def _write(
     pixels: NDArray[np.uint8],
     scene: bpy.types.Scene,
 ) -> bpy.types.Image:
-    height, width = pixels.shape[:2]
     image = existing
     if image is not None and (image.library or _others_have(image, scene)):
         image = None
-    if image is None or tuple(image.size) != (width, height):
-        if image is not None and image.users == 0:
-            bpy.data.images.remove(image)
-        image = bpy.data.images.new(name, width, height, alpha=False)
-    rgba = np.ones((height, width, 4), np.float32)
-    # Blender's rows run upwards.
-    rgba[..., :3] = pixels[::-1].astype(np.float32) / 255.0
-    image.pixels.foreach_set(rgba.reshape(-1))
-    image.update()
-    image.pack()
-    return image
+    return data_blocks.write_picture(name, image, pixels)
 
 
 def keep(

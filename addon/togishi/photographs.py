@@ -22,7 +22,7 @@ from bpy.props import (
 )
 from numpy.typing import NDArray
 
-from . import map_files
+from . import data_blocks, map_files
 from .background_job import BackgroundJob, running
 from .core import photographs as files
 from .core.photographs import is_light_file
@@ -283,16 +283,8 @@ def keep_picture(
     name: str, existing: bpy.types.Image | None, pixels: NDArray[np.uint8]
 ) -> bpy.types.Image:
     """(H, W, 3), the top row first, as a packed image."""
-    height, width = pixels.shape[:2]
-    image = existing
-    if image is None or image.library or tuple(image.size) != (width, height):
-        image = bpy.data.images.new(name, width, height, alpha=False)
-    rgba = np.ones((height, width, 4), np.float32)
-    rgba[..., :3] = pixels[::-1].astype(np.float32) / 255.0
-    image.pixels.foreach_set(rgba.reshape(-1))
-    image.update()
-    image.pack()
-    return image
+    own = existing is not None and existing.library is None
+    return data_blocks.write_picture(name, existing if own else None, pixels)
 
 
 _CLASSES = (TogishiLandmark, TogishiPhotographs)

@@ -3,6 +3,7 @@
 //   TG_FINE                    round ones by nodes that resolve G's bends: the picture at rest
 #include "shared/area_lights.glsl"
 
+#define TG_AREA_RECTANGLE 0
 #define TG_AREA_ELLIPSE 1
 #define TG_AREA_SPOT 3
 #define TG_AREA_SUN 4
@@ -58,7 +59,6 @@ AreaSeen area_seen(TgArea area, vec3 place) {
         bool soft = area.size.y > 0.5;
         float tangent = area.size.x * inv;
         float ball = soft ? atan(tangent) : asin(min(tangent, 1.0));
-        // As cone_slices widens it.
         seen.angle_rad = clamp(sun ? area.size.x : ball, TG_LEAST_CONE, 1.5);
         seen.bound_rad = seen.angle_rad;
         float squared = distance_squared + (soft ? area.size.x * area.size.x : 0.0);
@@ -105,7 +105,7 @@ vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
     vec3 sum = vec3(0.0);
     int count = int(frame.view.z);
 #ifdef TG_RECTANGLES
-    int rectangle = seen.kind == 0 ? 1 : 0;
+    int rectangle = seen.kind == TG_AREA_RECTANGLE ? 1 : 0;
     for (int once = 0; once < rectangle; ++once) {
         RectangleSlices slices = rectangle_slices(seen.outline, q.axes, q.view, q.form, count);
         for (int k = 0; k < count; ++k) {
@@ -114,7 +114,7 @@ vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
     }
 #endif
 #ifdef TG_ROUNDS
-    int rounds = seen.kind == 0 ? 0 : 1;
+    int rounds = seen.kind == TG_AREA_RECTANGLE ? 0 : 1;
     for (int once = 0; once < rounds; ++once) {
         DiskSlices slices;
         if (seen.kind == TG_AREA_ELLIPSE) {
@@ -146,7 +146,7 @@ float mean_emission(TgArea area, AreaSeen seen) {
         float share = (float(k) + 0.5) / 16.0;
         float turn = 2.39996323 * float(k);
         vec2 at = sqrt(share) * vec2(cos(turn), sin(turn));
-        at = seen.kind == 0 ? vec2(2.0 * share - 1.0, 2.0 * fract(0.61803399 * float(k)) - 1.0) : at;
+        at = seen.kind == TG_AREA_RECTANGLE ? vec2(2.0 * share - 1.0, 2.0 * fract(0.61803399 * float(k)) - 1.0) : at;
         vec3 on_cone = seen.axis + (around.tangent * at.x + around.bitangent * at.y) * tan(seen.angle_rad);
         vec3 on_flat = seen.outline.centre + area.axis_x.xyz * (at.x * area.size.x) + area.axis_y.xyz * (at.y * area.size.y);
         sum += area_emission(area, seen, unit_or_zero(seen.kind <= TG_AREA_ELLIPSE ? on_flat : on_cone));

@@ -57,16 +57,20 @@ def _step(spec: Any) -> float:
     return float(1.0 / (2.0**bits - 1.0))
 
 
+def _pixels(source: Any, path: str) -> F32:
+    """(H, W, C) of an open file."""
+    spec = source.spec()
+    pixels = source.read_image("float")
+    if pixels is None or source.has_error:
+        raise OSError(f"{path}: {source.geterror()}")
+    return np.asarray(pixels, np.float32).reshape(spec.height, spec.width, spec.nchannels)
+
+
 def read_picture(oiio: ModuleType, path: str) -> tuple[F32, bool]:
     """((H, W, C), whole numbers), as togishi_core.capture_diffuse asks for it."""
     source = _open(oiio, path)
     try:
-        spec = source.spec()
-        pixels = source.read_image("float")
-        if pixels is None or source.has_error:
-            raise OSError(f"{path}: {source.geterror()}")
-        shape = (spec.height, spec.width, spec.nchannels)
-        return np.asarray(pixels, np.float32).reshape(shape), _step(spec) > 0.0
+        return _pixels(source, path), _step(source.spec()) > 0.0
     finally:
         source.close()
 
@@ -143,12 +147,18 @@ def write_planes(oiio: ModuleType, path: Path, names: Sequence[str], pixels: F32
 
 def read_plane(oiio: ModuleType, path: Path, name: str) -> F32:
     """(H, W) of one channel."""
+    planes = read_planes(oiio, path)
+    if name not in planes:
+        raise OSError(f"{path}: channel {name!r} is missing; the file has {', '.join(planes)}")
+    return planes[name]
+
+
+def read_planes(oiio: ModuleType, path: Path) -> dict[str, F32]:
+    """(H, W) of every channel by its name, the top row first."""
     source = _open(oiio, str(path))
     try:
-        names = list(source.spec().channelnames)
+        pixels = _pixels(source, str(path))
+        names = source.spec().channelnames
+        return {name: np.ascontiguousarray(pixels[..., i]) for i, name in enumerate(names)}
     finally:
         source.close()
-    pixels, _ = read_picture(oiio, str(path))
-    if name not in names:
-        raise OSError(f"{path}: channel {name!r} is missing; the file has {', '.join(names)}")
-    return np.ascontiguousarray(pixels[..., names.index(name)])

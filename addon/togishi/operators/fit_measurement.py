@@ -9,7 +9,7 @@ import bpy
 from bpy.props import CollectionProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from .. import blade_object, measurement, properties
+from .. import blade_object, data_blocks, measurement, properties
 from ..core import fit_apply, fit_table, native
 from .modal_job import ModalJob
 from .poll import allowed, editable
@@ -148,7 +148,7 @@ class TOGISHI_OT_measurement_run(ModalJob, bpy.types.Operator):
         return self.begin(context, job)
 
     def take(self, _context: bpy.types.Context, job: measurement.FitJob) -> set[str]:
-        scene = next((s for s in bpy.data.scenes if s.session_uid == self._scene), None)
+        scene = data_blocks.by_uid(bpy.data.scenes, self._scene)
         if scene is None:
             self.report({"WARNING"}, "The scene is gone; the fit was not kept")
             return {"CANCELLED"}
@@ -237,10 +237,7 @@ class TOGISHI_OT_measurement_show(bpy.types.Operator):
         if image is None:
             self.report({"ERROR"}, "The plot was removed from this file; fit again")
             return {"CANCELLED"}
-        bpy.ops.wm.window_new()
-        area = context.window_manager.windows[-1].screen.areas[0]
-        area.type = "IMAGE_EDITOR"
-        area.spaces.active.image = image
+        data_blocks.show_in_new_window(context, image)
         return {"FINISHED"}
 
 

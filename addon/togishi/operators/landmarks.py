@@ -61,6 +61,35 @@ def add(kept: photographs.TogishiPhotographs, name: str, point_mm: object) -> No
     forget_camera(kept)
 
 
+class _Click:
+    """An operator that waits for one click in its editor. It says in where() what the place under the mouse is."""
+
+    def where(
+        self, context: bpy.types.Context, region: bpy.types.Region, at: tuple[int, int]
+    ) -> bool:
+        """Sets the operator's properties from a place in the region; False where nothing is there, said."""
+        raise NotImplementedError
+
+    def begin(self, context: bpy.types.Context) -> set[str]:
+        context.window_manager.modal_handler_add(self)
+        context.window.cursor_modal_set("CROSSHAIR")
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            context.window.cursor_modal_restore()
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        context.window.cursor_modal_restore()
+        region = next((r for r in context.area.regions if r.type == "WINDOW"), None)
+        if region is None:
+            return {"CANCELLED"}
+        if not self.where(context, region, (event.mouse_x - region.x, event.mouse_y - region.y)):
+            return {"CANCELLED"}
+        return self.execute(context)
+
+
 class TOGISHI_OT_landmark_add(bpy.types.Operator):
     """Add a place that this blade has by name; then mark it in the photograph"""
 
@@ -82,7 +111,7 @@ class TOGISHI_OT_landmark_add(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class TOGISHI_OT_landmark_pick(bpy.types.Operator):
+class TOGISHI_OT_landmark_pick(_Click, bpy.types.Operator):
     """Click a place on the blade: it snaps to named places and to the edge within 4 mm. Esc ends"""
 
     bl_idname = "view3d.togishi_landmark_pick"
@@ -113,36 +142,28 @@ class TOGISHI_OT_landmark_pick(bpy.types.Operator):
         if context.area is None or context.area.type != "VIEW_3D":
             self.report({"ERROR"}, "A place on the blade is picked in the 3-D view")
             return {"CANCELLED"}
-        context.window_manager.modal_handler_add(self)
-        context.window.cursor_modal_set("CROSSHAIR")
-        return {"RUNNING_MODAL"}
+        return self.begin(context)
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type in {"ESC", "RIGHTMOUSE"}:
-            context.window.cursor_modal_restore()
-            return {"CANCELLED"}
-        if event.type != "LEFTMOUSE" or event.value != "PRESS":
-            return {"PASS_THROUGH"}
-        context.window.cursor_modal_restore()
+    def where(
+        self, context: bpy.types.Context, region: bpy.types.Region, at: tuple[int, int]
+    ) -> bool:
         blade = generated_blade(context)
-        window = next((r for r in context.area.regions if r.type == "WINDOW"), None)
-        if blade is None or window is None:
-            return {"CANCELLED"}
-        at = (event.mouse_x - window.x, event.mouse_y - window.y)
+        if blade is None:
+            return False
         view = context.space_data.region_3d
         to_blade = blade.matrix_world.inverted()
-        origin = to_blade @ view3d_utils.region_2d_to_origin_3d(window, view, at)
-        direction = to_blade.to_3x3() @ view3d_utils.region_2d_to_vector_3d(window, view, at)
+        origin = to_blade @ view3d_utils.region_2d_to_origin_3d(region, view, at)
+        direction = to_blade.to_3x3() @ view3d_utils.region_2d_to_vector_3d(region, view, at)
         hit, point, _normal, _face = blade.ray_cast(origin, direction)
         if not hit:
             self.report({"WARNING"}, "No blade is there")
-            return {"CANCELLED"}
+            return False
         unit_m = context.scene.unit_settings.scale_length or 1.0
         self.point_mm = tuple(v * unit_m / blade_object.MM for v in point)
-        return self.execute(context)
+        return True
 
 
-class TOGISHI_OT_landmark_mark(bpy.types.Operator):
+class TOGISHI_OT_landmark_mark(_Click, bpy.types.Operator):
     """Click where the chosen landmark is in the photograph. Esc ends"""
 
     bl_idname = "image.togishi_landmark_mark"
@@ -182,24 +203,15 @@ class TOGISHI_OT_landmark_mark(bpy.types.Operator):
         if editor is None or editor.type != "IMAGE_EDITOR" or editor.image != kept.photograph:
             self.report({"ERROR"}, "Places are marked in an Image Editor that shows the photograph")
             return {"CANCELLED"}
-        context.window_manager.modal_handler_add(self)
-        context.window.cursor_modal_set("CROSSHAIR")
-        return {"RUNNING_MODAL"}
+        return self.begin(context)
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type in {"ESC", "RIGHTMOUSE"}:
-            context.window.cursor_modal_restore()
-            return {"CANCELLED"}
-        if event.type != "LEFTMOUSE" or event.value != "PRESS":
-            return {"PASS_THROUGH"}
-        context.window.cursor_modal_restore()
-        window = next((r for r in context.area.regions if r.type == "WINDOW"), None)
-        if window is None:
-            return {"CANCELLED"}
-        u, v = window.view2d.region_to_view(event.mouse_x - window.x, event.mouse_y - window.y)
+    def where(
+        self, context: bpy.types.Context, region: bpy.types.Region, at: tuple[int, int]
+    ) -> bool:
+        u, v = region.view2d.region_to_view(*at)
         width, height = context.scene.togishi_photographs.photograph.size
         self.pixel = (u * width, (1.0 - v) * height)
-        return self.execute(context)
+        return True
 
 
 class TOGISHI_OT_landmark_remove(bpy.types.Operator):

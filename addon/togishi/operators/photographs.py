@@ -10,7 +10,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from .. import blade_object, map_files, map_images, photographs, properties
+from .. import blade_object, data_blocks, map_files, map_images, photographs, properties
 from ..core import native
 from ..core import photographs as files
 from ..core.map_channels import MapError
@@ -46,14 +46,15 @@ def generated_blade(context: bpy.types.Context) -> bpy.types.Object | None:
     return blade if blade is not None and blade.togishi.katana_json else None
 
 
-def scene_of(uid: int) -> bpy.types.Scene | None:
-    return next((scene for scene in bpy.data.scenes if scene.session_uid == uid), None)
-
-
 class _Work(ModalJob):
     """An operator whose work is a job: at once without a window, else beside the user interface."""
 
     cancelled = "The photographs' evaluation was cancelled; finished parts are kept"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        kept = context.scene.togishi_photographs
+        return allowed(cls, *can_read(), (kept.filepath, NEEDS_SETUP))
 
     def job(self, context: bpy.types.Context) -> photographs.PhotographJob:
         raise NotImplementedError
@@ -74,7 +75,7 @@ class _Work(ModalJob):
         return self.take(context, job)
 
     def take(self, context: bpy.types.Context, job: photographs.PhotographJob) -> set[str]:
-        scene = scene_of(self._scene)
+        scene = data_blocks.by_uid(bpy.data.scenes, self._scene)
         try:
             result = job.result()
         except InterruptedError:
@@ -199,11 +200,6 @@ class TOGISHI_OT_photographs_plan(_Work, bpy.types.Operator):
 
     doing = "Togishi works out what the photographs can tell"
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        kept = context.scene.togishi_photographs
-        return allowed(cls, *can_read(), (kept.filepath, NEEDS_SETUP))
-
     def job(self, context: bpy.types.Context) -> photographs.PlanJob:
         return photographs.PlanJob(photographs.state_of(context.scene.togishi_photographs))
 
@@ -212,7 +208,7 @@ class TOGISHI_OT_photographs_plan(_Work, bpy.types.Operator):
         try:
             job.result()
         except native.core().InputError as error:
-            scene = scene_of(self._scene)
+            scene = data_blocks.by_uid(bpy.data.scenes, self._scene)
             if scene is not None:
                 scene.togishi_photographs.plan = str(error)
             self.report({"WARNING"}, f"The set-up cannot be planned yet: {error}")
@@ -242,11 +238,6 @@ class TOGISHI_OT_photographs_run(_Work, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     doing = "Togishi evaluates the photographs"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        kept = context.scene.togishi_photographs
-        return allowed(cls, *can_read(), (kept.filepath, NEEDS_SETUP))
 
     def job(self, context: bpy.types.Context) -> photographs.RunJob:
         return photographs.RunJob(photographs.state_of(context.scene.togishi_photographs))
@@ -305,7 +296,7 @@ class TOGISHI_OT_photographs_apply(_Work, bpy.types.Operator):
         )
 
     def keep(self, _context: bpy.types.Context, _scene: bpy.types.Scene, result: Any) -> None:
-        material = next((m for m in bpy.data.materials if m.session_uid == self._material), None)
+        material = data_blocks.by_uid(bpy.data.materials, self._material)
         if material is None:
             self.report({"WARNING"}, "The material is gone; the maps were not applied")
             return
@@ -349,10 +340,7 @@ class TOGISHI_OT_photographs_show(bpy.types.Operator):
         if open_editors:
             open_editors[0].spaces.active.image = image
             return {"FINISHED"}
-        bpy.ops.wm.window_new()
-        area = context.window_manager.windows[-1].screen.areas[0]
-        area.type = "IMAGE_EDITOR"
-        area.spaces.active.image = image
+        data_blocks.show_in_new_window(context, image)
         return {"FINISHED"}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import blade_object, map_images, pattern_baking, properties
+from .. import blade_object, data_blocks, map_images, pattern_baking, properties
 from ..core import native
 from .modal_job import ModalJob
 from .poll import LINKED, allowed, local
@@ -73,7 +73,7 @@ class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
         return self.begin(context, pattern_baking.PatternJob(*self._targets(context)))
 
     def take(self, _context: bpy.types.Context, job: pattern_baking.PatternJob) -> set[str]:
-        material = next((m for m in bpy.data.materials if m.session_uid == job.material_uid), None)
+        material = data_blocks.by_uid(bpy.data.materials, job.material_uid)
         if material is None:
             self.report({"WARNING"}, "The blade's material is gone; its maps were not written")
             return {"CANCELLED"}
