@@ -12,6 +12,7 @@ picture of the known maps: for the second trip with Mitsuba's own.
 from __future__ import annotations
 
 import base64
+import importlib
 import io
 import json
 import os
@@ -20,19 +21,22 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import togishi_core as core
 from bench_rows import Measurement, ResultsError, Row, command_line, write_measurement
 from capture_diffuse import LIGHT, WRONG, material_off_by, togishi
-from exr_planes import read_planes
 from fit import mitsuba_python
 from matplotlib.image import imsave
 from PIL import Image
 from scipy.ndimage import gaussian_filter
+from togishi.core import photographs
 
+REPOSITORY = Path(__file__).resolve().parents[2]
 STEPS = ("reference", "mitsuba")
 PLACES_MM = (270.0, 330.0)
 """Where the two cameras look, along the blade; they share 20 mm of their 80."""
@@ -45,6 +49,19 @@ HALF_MM = 98.0
 BODY = (1, 3)
 """Parts ji and ha."""
 SAMPLES = 1024
+
+
+@cache
+def image_io() -> ModuleType:
+    """PyPI's openimageio, which the package tests install too."""
+    subprocess.run([str(REPOSITORY / "tools/setup_openimageio.sh")], cwd=REPOSITORY, check=True)
+    version = f"{sys.version_info.major}.{sys.version_info.minor}"
+    sys.path.append(str(REPOSITORY / ".venv-openimageio" / version))
+    return importlib.import_module("OpenImageIO")
+
+
+def read_planes(path: Path) -> dict[str, np.ndarray]:
+    return photographs.read_planes(image_io(), path)
 
 
 def vector(text: str, key: str) -> np.ndarray:
