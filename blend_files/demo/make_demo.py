@@ -106,7 +106,7 @@ class Demo:
             self.save(
                 f"{name}_difference.png",
                 pictures.difference_map(result.delta_e, DIFFERENCE_SCALE),
-                f"ΔE00, black 0 to yellow {DIFFERENCE_SCALE}; largest {result.worst:.3f}.",
+                f"ΔE00, black 0 to yellow {DIFFERENCE_SCALE}; largest {result.worst:.4f}.",
             ),
         ]
 
@@ -193,7 +193,7 @@ class Demo:
             "Anisotropic and isotropic",
             "The polisher's strokes scatter light across themselves: highlights are long across the strokes. Three lamps, "
             "and their flashes in the ji.",
-            [[anisotropic, isotropic], beside_anisotropic, beside_isotropic],
+            [[anisotropic, *beside_anisotropic], [isotropic, *beside_isotropic]],
         )
 
     def spectra(self) -> Section:
@@ -230,7 +230,7 @@ class Demo:
                     self.save(
                         f"{spectrum}_difference.png",
                         pictures.difference_map(result.delta_e, DIFFERENCE_SCALE),
-                        f"ΔE00, black 0 to yellow {DIFFERENCE_SCALE}; largest {result.worst:.3f}.",
+                        f"ΔE00, black 0 to yellow {DIFFERENCE_SCALE}; largest {result.worst:.4f}.",
                     ),
                 ]
             )

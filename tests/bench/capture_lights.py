@@ -23,6 +23,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import by_mitsuba
 import numpy as np
 from bench_rows import (
     Measurement,
@@ -34,7 +35,6 @@ from bench_rows import (
     write_measurement,
 )
 from capture_scipy import Rival
-from fit import mitsuba_python
 from PIL import Image
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -304,16 +304,9 @@ PLATE = {
 }
 
 
-def by_mitsuba(wanted: dict[str, Any]) -> Any:
-    """What tests/bench/mitsuba_stack.py writes, in an environment where nothing of Togishi is on the path."""
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    subprocess.run(
-        [str(mitsuba_python()), str(REPOSITORY / "tests/bench/mitsuba_stack.py")],
-        input=json.dumps(wanted),
-        text=True,
-        check=True,
-        env=environment,
-    )
+def rendered(wanted: dict[str, Any]) -> Any:
+    """What mitsuba_stack.py writes."""
+    by_mitsuba.run("mitsuba_stack.py", wanted)
     return np.load(wanted["file"])
 
 
@@ -344,7 +337,7 @@ def mitsuba(seed: int) -> list[Row]:
     exact = np.array(bench("export", "graded.hadori", 16, seed)["directions"])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        plate = by_mitsuba({**PLATE, "file": str(folder / "plate.npz"), "lights": exact.tolist()})
+        plate = rendered({**PLATE, "file": str(folder / "plate.npz"), "lights": exact.tolist()})
         pictures = plate["pictures"]
         long = 16 * 0.9 / np.percentile(pictures.max(0), 90)
         known = turned(exact, light_error_deg, rng)
@@ -357,7 +350,7 @@ def mitsuba(seed: int) -> list[Row]:
             *("--bracket", f"{bracket}={short}", "--light-error", light_error_deg),
             *("--read-noise", 1.25 / 4095, "--normal", np.sin(tilt), 0, np.cos(tilt)),
         )
-        found = by_mitsuba({"maps": str(folder / "maps.exr"), "file": str(folder / "maps.npz")})
+        found = rendered({"maps": str(folder / "maps.exr"), "file": str(folder / "maps.npz")})
         good = found["flags"] == 0
         shape = np.hypot(found["lobe.e1"], found["lobe.e2"])
         mu = [np.exp(found["lobe.ln_mu_deg"] + sign * shape) for sign in (1, -1)]

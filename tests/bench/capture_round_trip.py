@@ -15,7 +15,6 @@ import base64
 import importlib
 import io
 import json
-import os
 import re
 import subprocess
 import sys
@@ -26,17 +25,16 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import by_mitsuba
 import numpy as np
 import togishi_core as core
 from bench_rows import Measurement, ResultsError, Row, command_line, write_measurement
 from capture_diffuse import LIGHT, WRONG, material_off_by, togishi
-from fit import mitsuba_python
 from matplotlib.image import imsave
 from PIL import Image
 from scipy.ndimage import gaussian_filter
 from togishi.core import photographs
 
-REPOSITORY = Path(__file__).resolve().parents[2]
 STEPS = ("reference", "mitsuba")
 PLACES_MM = (270.0, 330.0)
 """Where the two cameras look, along the blade; they share 20 mm of their 80."""
@@ -54,9 +52,13 @@ SAMPLES = 1024
 @cache
 def image_io() -> ModuleType:
     """PyPI's openimageio, which the package tests install too."""
-    subprocess.run([str(REPOSITORY / "tools/setup_openimageio.sh")], cwd=REPOSITORY, check=True)
+    subprocess.run(
+        [str(by_mitsuba.REPOSITORY / "tools/setup_openimageio.sh")],
+        cwd=by_mitsuba.REPOSITORY,
+        check=True,
+    )
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    sys.path.append(str(REPOSITORY / ".venv-openimageio" / version))
+    sys.path.append(str(by_mitsuba.REPOSITORY / ".venv-openimageio" / version))
     return importlib.import_module("OpenImageIO")
 
 
@@ -181,7 +183,6 @@ def mitsuba_pictures(trip: Trip, setups: list[Path]) -> tuple[list[Path], np.nda
     togishi("katana", "-o", mesh)
     n, k = core.metal_nk("iron_johnson_christy", np.array([550.0]))
     random = np.random.default_rng(trip.seed)
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
 
     def rendered(setup: Path, seed: int) -> list[np.ndarray]:
         told = tomllib.loads(setup.read_text(encoding="utf-8"))
@@ -201,13 +202,7 @@ def mitsuba_pictures(trip: Trip, setups: list[Path]) -> tuple[list[Path], np.nda
                 for file, photograph in zip(files, told["photograph"], strict=True)
             ],
         }
-        subprocess.run(
-            [str(mitsuba_python()), str(Path(__file__).with_name("mitsuba_blade.py"))],
-            input=json.dumps(job),
-            text=True,
-            check=True,
-            env=environment,
-        )
+        by_mitsuba.run("mitsuba_blade.py", job)
         return [np.load(file) for file in files]
 
     out = []
@@ -274,7 +269,7 @@ def compared(
     share = float(told.sum() / body.sum())
     how = (
         f"two cameras of 2.5 pixels/mm, two strips each, SNR 100, 12 bit, blur 0.6 pixels, cameras told {OFF_MM:g} mm and "
-        f"{OFF_DEG:g}° off, lobes {round(100 * (WRONG - 1))} % off; {int(told.sum())} pixels; photographs by {by}; "
+        f"{OFF_DEG:g}° off in the picture's plane alone (how far the blade is turned about its length is told rightly), lobes {round(100 * (WRONG - 1))} % off; {int(told.sum())} pixels; photographs by {by}; "
         f"seed {trip.seed}"
     )
     rows = [

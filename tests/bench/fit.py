@@ -24,6 +24,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import by_mitsuba
 import numpy as np
 import togishi_core as core
 from bench_rows import (
@@ -189,15 +190,6 @@ def recovery(trials: int, seed: int) -> list[Row]:
 # --- a stranger's data ----------------------------------------------------------------------------
 
 
-def mitsuba_python() -> Path:
-    subprocess.run(
-        [str(REPOSITORY / "tools/setup_python.sh"), ".venv-mitsuba", "3.11", "mitsuba"],
-        cwd=REPOSITORY,
-        check=True,
-    )
-    return REPOSITORY / ".venv-mitsuba/bin/python"
-
-
 def mitsuba() -> list[Row]:
     n, k = core.metal_nk(METAL, np.array(NM))
     rows = []
@@ -212,15 +204,7 @@ def mitsuba() -> list[Row]:
             for index, (mu_t, mu_b, _) in enumerate(MITSUBA)
         ]
         wanted = {"metal": METAL, "nm": NM, "eta": n.tolist(), "k": k.tolist(), "cases": cases}
-        # An environment of its own: nothing of Togishi is on its path.
-        environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-        subprocess.run(
-            [str(mitsuba_python()), str(REPOSITORY / "tests/bench/mitsuba_scans.py")],
-            input=json.dumps(wanted),
-            text=True,
-            check=True,
-            env=environment,
-        )
+        by_mitsuba.run("mitsuba_scans.py", wanted)
         for case, (mu_t, mu_b, bound) in zip(cases, MITSUBA, strict=True):
             fit = core.fit_scans(core.read_scans([case["file"]])[0])
             lobe = fit.lobe

@@ -21,6 +21,7 @@ from typing import Any
 
 import mitsuba
 import numpy as np
+from mitsuba_textures import alpha, texture
 
 BODY = (1, 3)
 """Parts ji and ha, as the channel `part` numbers them."""
@@ -31,19 +32,6 @@ def planes(path: str) -> dict[str, np.ndarray]:
     bitmap = mitsuba.Bitmap(path)
     struct, values = bitmap.struct_(), np.array(bitmap)
     return {struct[index].name: values[..., index] for index in range(len(struct))}
-
-
-def texture(values: np.ndarray) -> dict[str, Any]:
-    return {
-        "type": "bitmap",
-        "bitmap": mitsuba.Bitmap(np.ascontiguousarray(values[..., None], np.float32)),
-        "raw": True,
-        "wrap_mode": "clamp",
-    }
-
-
-def alpha(ln_mu_deg: np.ndarray) -> np.ndarray:
-    return np.tan(np.radians(np.exp(ln_mu_deg))) / np.sqrt(np.log(2.0))
 
 
 def conductor(maps: dict[str, np.ndarray], lobe: str, wanted: dict[str, Any]) -> dict[str, Any]:

@@ -22,19 +22,11 @@ from typing import Any
 
 import mitsuba
 import numpy as np
+from mitsuba_textures import alpha, texture
 
 TEXELS = 256
 SAMPLES = 16
 FAR = 5.0
-
-
-def texture(values: np.ndarray) -> dict[str, Any]:
-    return {
-        "type": "bitmap",
-        "bitmap": mitsuba.Bitmap(np.ascontiguousarray(values[..., None], np.float32)),
-        "raw": True,
-        "wrap_mode": "clamp",
-    }
 
 
 def alphas(low_deg: float, high_deg: float) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +38,7 @@ def alphas(low_deg: float, high_deg: float) -> tuple[np.ndarray, np.ndarray]:
     low, high = np.log(low_deg), np.log(high_deg)
     ln_t = low + apart + (high - low - apart) * wide
     ln_b = low + (ln_t - apart - low) * narrow
-    return tuple(np.tan(np.radians(np.exp(ln))) / np.sqrt(np.log(2.0)) for ln in (ln_t, ln_b))
+    return alpha(ln_t), alpha(ln_b)
 
 
 def half_width_deg(alpha: float) -> float:
@@ -107,7 +99,7 @@ def scene(wanted: dict[str, Any], light: list[float]) -> Any:
 def truth(wanted: dict[str, Any]) -> dict[str, np.ndarray]:
     """What Mitsuba itself finds under each pixel's middle."""
     found = scene(wanted, wanted["lights"][0])
-    alpha = [mitsuba.load_dict(texture(values)) for values in alphas(*wanted["mu_deg"])]
+    textures = [mitsuba.load_dict(texture(values)) for values in alphas(*wanted["mu_deg"])]
     width, height = wanted["width"], wanted["height"]
     out = {name: np.empty((height, width)) for name in ("mu_t_deg", "mu_b_deg", "rho_deg")}
     for row in range(height):
@@ -115,7 +107,7 @@ def truth(wanted: dict[str, Any]) -> dict[str, np.ndarray]:
             x = (2 * (column + 0.5) / width - 1) * width / height
             y = 1 - 2 * (row + 0.5) / height
             point = found.ray_intersect(mitsuba.Ray3f([x, y, FAR], [0, 0, -1]))
-            for name, plane in zip(("mu_t_deg", "mu_b_deg"), alpha, strict=True):
+            for name, plane in zip(("mu_t_deg", "mu_b_deg"), textures, strict=True):
                 out[name][row, column] = half_width_deg(float(plane.eval_1(point)))
             normal = np.array(point.n, float).ravel()
             along = np.array(point.dp_du, float).ravel()
