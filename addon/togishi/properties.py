@@ -539,6 +539,15 @@ class TogishiScene(bpy.types.PropertyGroup):
         max=64,
         update=_shown,
     )
+    filter_highlights: BoolProperty(
+        name="Highlight anti-aliasing",
+        description=(
+            "Take the mean of each highlight over a pixel: narrow ones on curved steel keep their light and do not "
+            "flicker when something moves"
+        ),
+        default=True,
+        update=_shown,
+    )
     use_pass_depth: BoolProperty(
         name="Depth",
         description="Write the distance to the camera",

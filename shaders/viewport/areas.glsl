@@ -18,6 +18,7 @@ struct AreaSeen {
     float bound_rad;  // none of it is farther from the axis
     float angle_rad;  // cones: half angle
     float radiance;   // of a lamp of RGB 1; 0: not seen
+    float nearness;   // 1/distance, of a sun 0
     FlatLight outline;
 };
 
@@ -43,6 +44,7 @@ AreaSeen area_seen(TgArea area, vec3 place) {
     float distance_squared = max(dot(to_lamp, to_lamp), TG_MIN_DISTANCE_SQUARED);
     float inv = inversesqrt(distance_squared);
     seen.axis = to_lamp * inv;
+    seen.nearness = seen.kind == TG_AREA_SUN ? 0.0 : inv;
     seen.angle_rad = 0.0;
     seen.outline.centre = to_lamp;
     if (seen.kind <= TG_AREA_ELLIPSE) {

@@ -5,7 +5,8 @@
 struct TgFrame {
     mat4 projection;
     vec4 ray;    // a pixel's (x, y)/depth, for an orthographic view its (x, y): gl_FragCoord * ray.xy + ray.zw
-    vec4 view;   // 1 for an orthographic view, else 0; lamps of a size; slices of the lobe for each of them
+    vec4 view;   // 1 for an orthographic view, else 0; lamps of a size; slices of the lobe for each of them; width of
+                 // what a sample stands for, in pixels
     vec4 world;  // rgb of the surroundings before its spectrum, row in the table
     vec4 counts; // points, spots, suns, level-of-detail bias
 };

@@ -2,16 +2,19 @@
 struct Towards {
     vec3 direction; // unit
     float distance_squared;
+    float nearness; // 1/distance, of a sun 0
 };
 
 Towards towards_point(int index, vec3 position) {
     // To the same bits in every program that asks.
     TG_PRECISE vec3 to_light = lights.light[index].place.xyz - position;
     TG_PRECISE float distance_squared = max(dot(to_light, to_light), TG_MIN_DISTANCE_SQUARED);
-    TG_PRECISE vec3 direction = to_light * inversesqrt(distance_squared);
+    float nearness = inversesqrt(distance_squared);
+    TG_PRECISE vec3 direction = to_light * nearness;
     Towards t;
     t.direction = direction;
     t.distance_squared = distance_squared;
+    t.nearness = nearness;
     return t;
 }
 
@@ -19,6 +22,7 @@ Towards towards_sun(int index) {
     Towards t;
     t.direction = lights.light[index].place.xyz;
     t.distance_squared = 1.0;
+    t.nearness = 0.0;
     return t;
 }
 

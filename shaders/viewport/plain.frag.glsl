@@ -40,8 +40,8 @@ vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
 }
 #endif
 
-#define TG_REACHED(direction) (dot(normal, direction) > TG_MIN_COS ? 1 : 0)
-#define TG_REFLECT(direction, colour, row) reflect_light(direction, colour, row, normal, view, form)
+#define TG_REACHED(towards) (dot(normal, towards.direction) > TG_MIN_COS ? 1 : 0)
+#define TG_REFLECT(towards, colour, row) reflect_light(towards.direction, colour, row, normal, view, form)
 
 void main() {
     vec3 place = v_position;

@@ -4,6 +4,7 @@
 //   TG_POINTS, TG_SPOTS, TG_SUNS, TG_WORLD                        what the scene has
 //   TG_RECTANGLES, TG_ROUNDS, TG_FINE                             lamps of a size (areas.glsl)
 //   TG_MANY       other steels are in the picture
+//   TG_FILTERED   highlights are the mean over the pixel's facets, not the value at its centre
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
 #include "viewport/steel_pixel.glsl"
@@ -23,7 +24,14 @@ struct Steel {
     float beta_ha;
     float beta_hadori;
     float n_dot_v;
+#ifdef TG_FILTERED
+    PixelStep right;
+    PixelStep up;
+    float reach_rad; // facets up to this far from N reflect anything
+    float step;      // what the half vector turns by in the pixel towards a lamp at distance 1
+#else
     float reach; // (N.H)^2 from which on a lobe reflects anything
+#endif
 };
 
 LobeForm form_of(Lobe lobe) {
@@ -36,9 +44,10 @@ LobeForm form_of(Lobe lobe) {
 
 // A lower bound of the form's smaller eigenvalue: of the exponent over phi^2.
 float least(LobeForm form) {
-#ifdef TG_ANISOTROPIC
+#if defined(TG_ANISOTROPIC) || defined(TG_FILTERED)
     float d = 0.5 * (form.xx - form.yy);
-    return max(0.5 * (form.xx + form.yy) - sqrt(d * d + form.xy * form.xy), 0.0);
+    // By the product of the two: their difference loses the smaller one in a long lobe.
+    return form.scale * form.scale / (0.5 * (form.xx + form.yy) + sqrt(d * d + form.xy * form.xy));
 #else
     return form.scale;
 #endif
@@ -61,20 +70,53 @@ vec3 spectral_sum(int row, float cos_i, float cos_h, float at_theta_i, float at_
 
 // Whether any lobe of the pixel reflects this lamp: phi >= sin(phi), and what is left out is below 1e-13 of the peak.
 // Cheap and a little generous; light_geometry_at() has the last word.
-int reached(vec3 light, Steel s) {
+int reached(Towards t, Steel s) {
 #ifdef TG_EVERY_LAMP
     // Only for measuring what this saves.
     return 1;
 #else
-    vec3 half_vector = s.view + light;
+    vec3 half_vector = s.view + t.direction;
     float along = dot(s.axes.normal, half_vector);
-    return along > s.n_dot_v && along * along > s.reach * dot(half_vector, half_vector) ? 1 : 0;
+#ifdef TG_FILTERED
+    float rad = s.reach_rad + s.step * t.nearness;
+    float reach = 1.0 - 2.0e-6 - rad * rad;
+#else
+    float reach = s.reach;
+#endif
+    return along > s.n_dot_v && along * along > reach * dot(half_vector, half_vector) ? 1 : 0;
 #endif
 }
 
-vec3 reflect_light(vec3 light, vec3 colour, int row, Steel s) {
+#ifdef TG_FILTERED
+#define TG_TURNED , right, up
+// D(0) is 1: the model's own weight and shadowing, with the mean of D in the pixel's place.
+float smooth_part(LobeForm form, LightGeometry g, float chi, Facet right, Facet up) {
+    LightGeometry flat_on = g;
+    flat_on.facet.dx = 0.0;
+    flat_on.facet.dy = 0.0;
+    return ji_reflection(form, flat_on, chi) * pixel_lobe_value(form, g.facet, right, up);
+}
+
+float rough_part(LobeForm form, LightGeometry g, float beta, Facet right, Facet up) {
+    LightGeometry flat_on = g;
+    flat_on.facet.dx = 0.0;
+    flat_on.facet.dy = 0.0;
+    return hamon_reflection(form, flat_on, beta) * pixel_lobe_value(form, g.facet, right, up);
+}
+#else
+#define TG_TURNED
+#define smooth_part ji_reflection
+#define rough_part hamon_reflection
+#endif
+
+vec3 reflect_light(Towards t, vec3 colour, int row, Steel s) {
+    vec3 light = t.direction;
     HalfAngle half_vector = half_angle(s.axes.normal, s.view, light);
-#ifdef TG_ANISOTROPIC
+#ifdef TG_FILTERED
+    Facet right = facet_turn(s.axes, s.view, light, t.nearness, s.right);
+    Facet up = facet_turn(s.axes, s.view, light, t.nearness, s.up);
+#endif
+#if defined(TG_ANISOTROPIC) || defined(TG_FILTERED)
     Facet facet = facet_of(half_vector, s.axes.tangent, s.axes.bitangent);
 #else
     Facet facet = facet_isotropic(half_vector);
@@ -82,7 +124,7 @@ vec3 reflect_light(vec3 light, vec3 colour, int row, Steel s) {
     LightGeometry g = light_geometry_at(s.axes.normal, s.view, light, half_vector, facet);
 #ifdef TG_ONE_LOBE
     bool rough = s.w > 0.5;
-    float amount = rough ? hamon_reflection(s.ji, g, s.chi) : ji_reflection(s.ji, g, s.chi);
+    float amount = rough ? rough_part(s.ji, g, s.chi TG_TURNED) : smooth_part(s.ji, g, s.chi TG_TURNED);
     float cosine = rough ? g.cos_h : g.cos_i;
 #ifdef TG_BENCH_61
     return colour * spectral_sum(row, g.cos_i, g.cos_h, rough ? 0.0 : amount, rough ? amount : 0.0);
@@ -92,10 +134,10 @@ vec3 reflect_light(vec3 light, vec3 colour, int row, Steel s) {
 #else
     float hadori = 0.0;
 #ifdef TG_HADORI
-    hadori = hamon_reflection(s.hadori, g, s.beta_hadori);
+    hadori = rough_part(s.hadori, g, s.beta_hadori TG_TURNED);
 #endif
     Reflection r =
-        blend_reflection(ji_reflection(s.ji, g, s.chi), hadori, hamon_reflection(s.ha, g, s.beta_ha), s.w, s.h);
+        blend_reflection(smooth_part(s.ji, g, s.chi TG_TURNED), hadori, rough_part(s.ha, g, s.beta_ha TG_TURNED), s.w, s.h);
 #ifdef TG_BENCH_61
     return colour * spectral_sum(row, g.cos_i, g.cos_h, r.at_theta_i, r.at_theta_h);
 #else
@@ -110,6 +152,17 @@ vec3 reflect_light(vec3 light, vec3 colour, int row, Steel s) {
 vec3 node_colour(LightNode node, AreaLobe q) {
     return table_rgb(q.row, q.at_theta_i ? node.n_dot_l : node.v_dot_h) * shadowed_node(node, q);
 }
+
+#ifdef TG_FILTERED
+// The lobe widened by the pixel's facets, for light from the mirror direction or, where the lamp is elsewhere, from its middle.
+LobeForm area_lobe(LobeForm form, AreaSeen seen, Steel s) {
+    vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
+    vec3 light = dot(mirror, seen.axis) > cos(min(seen.bound_rad, TG_PI)) ? mirror : seen.axis;
+    Facet right = facet_turn(s.axes, s.view, light, seen.nearness, s.right);
+    Facet up = facet_turn(s.axes, s.view, light, seen.nearness, s.up);
+    return lobe_form_widened(form, right, up, 0.25);
+}
+#endif
 
 // What the pixel reflects of a lamp of a size: ji, ha and hadori one after the other.
 vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
@@ -150,6 +203,11 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
         }
 #endif
 #endif
+#ifdef TG_FILTERED
+        LobeForm own = q.form;
+        q.form = area_lobe(own, seen, s);
+        own_weight *= q.form.scale / own.scale;
+#endif
         q.widest = max(least(q.form), 1.0e-6);
         q.shadowed = !q.at_theta_i || own_weight < 0.0;
         int times = share > 0.0 && area_reached(seen, q) ? 1 : 0;
@@ -162,8 +220,8 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
 }
 #endif
 
-#define TG_REACHED(direction) reached(direction, s)
-#define TG_REFLECT(direction, colour, row) reflect_light(direction, colour, row, s)
+#define TG_REACHED(towards) reached(towards, s)
+#define TG_REFLECT(towards, colour, row) reflect_light(towards, colour, row, s)
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -194,7 +252,17 @@ void main() {
 #endif
 #endif
     s.n_dot_v = dot(s.axes.normal, s.view);
+#ifdef TG_FILTERED
+    s.right = p.right;
+    s.up = p.up;
+    // Half a pixel to each side and the filter's own tails; |V + L| is N.V at least where a lobe reflects.
+    float half_inv = 1.0 / max(s.n_dot_v, 0.02);
+    s.reach_rad = sqrt(TG_DARK_EXPONENT / max(widest, 1.0e-6)) + length(s.right.normal) + length(s.up.normal) +
+                  (length(s.right.view) + length(s.up.view)) * half_inv;
+    s.step = (length(s.right.place) + length(s.up.place)) * half_inv;
+#else
     s.reach = 1.0 - 2.0e-6 - TG_DARK_EXPONENT / max(widest, 1.0e-6);
+#endif
     vec3 sum = vec3(0.0);
 #include "viewport/loop.glsl"
 #ifdef TG_AREAS

@@ -1,3 +1,7 @@
+#ifdef TG_FILTERED
+#include "viewport/pixel_step.glsl"
+#endif
+
 // What steel_surface left in a pixel.
 struct SteelPixel {
     int part;
@@ -12,6 +16,10 @@ struct SteelPixel {
     float chi;
     float beta_ha;
     float beta_hadori;
+#ifdef TG_FILTERED
+    PixelStep right;
+    PixelStep up;
+#endif
 };
 
 // The lobe's azimuth from the axes that the pixel keeps. mirror: the object's own azimuths run the other way round.
@@ -31,6 +39,11 @@ SteelPixel steel_pixel(vec4 surface, ivec2 at) {
     p.position = orthographic ? vec3(ray, -surface.z) : vec3(ray * surface.z, -surface.z);
     p.view = orthographic ? vec3(0.0, 0.0, 1.0) : normalize(vec3(-ray, 1.0));
     p.axes = smooth_frame(unfold_normal(surface.xy));
+#ifdef TG_FILTERED
+    vec4 bend = texelFetch(bend_buffer, at, 0);
+    p.right = pixel_step(p.axes, p.view, vec3(frame.ray.x, 0.0, 0.0), bend.xy, surface.z, orthographic);
+    p.up = pixel_step(p.axes, p.view, vec3(0.0, frame.ray.y, 0.0), bend.zw, surface.z, orthographic);
+#endif
     float mirror = surface.w < 0.0 ? -1.0 : 1.0;
     int number = int(abs(surface.w) + 0.5) - 1;
     p.part = number - 8 * (number / 8);

@@ -4,6 +4,8 @@
 //   out_map      ln_mu of the ji and of the ha, w, h             (TG_MAPS)
 //   out_turn     cosine and sine of twice the tangent's angle    (TG_ANISOTROPIC)
 //   out_shape    e1, e2 of the ji and of the ha                  (TG_SHAPE)
+//   out_bend     the normal's change from one pixel to the next, to the right and upwards, in the pixel's smooth
+//                frame: of the triangle's own surface, whatever lies beside it            (TG_FILTERED)
 #include "shared/model.glsl"
 #ifdef TG_MAPS
 #include "viewport/atlas.glsl"
@@ -12,7 +14,8 @@
 void main() {
     // A face seen from behind shows its other side.
     vec3 normal = v_normal * (gl_FrontFacing == (object_state.x > 0.0) ? 1.0 : -1.0);
-    vec2 folded = fold_normal(normalize(normal));
+    float inv_length = inversesqrt(max(dot(normal, normal), 1.0e-20));
+    vec2 folded = fold_normal(normal * inv_length);
     float part = clamp(floor(v_part + 0.5), 0.0, float(TG_PART_COUNT - 1));
     out_surface = vec4(folded, -v_position, object_state.x * (8.0 * object_state.y + part + 1.0));
 #ifdef TG_MAPS
@@ -22,6 +25,15 @@ void main() {
     out_shape = texture(shape_atlas, at);
 #endif
 #endif
+#if defined(TG_FILTERED) || defined(TG_ANISOTROPIC)
+    TangentFrame smooth_axes = smooth_frame(unfold_normal(folded));
+#endif
+#ifdef TG_FILTERED
+    vec3 to_right = dFdx(normal) * inv_length;
+    vec3 upwards = dFdy(normal) * inv_length;
+    out_bend = vec4(dot(to_right, smooth_axes.tangent), dot(to_right, smooth_axes.bitangent),
+                    dot(upwards, smooth_axes.tangent), dot(upwards, smooth_axes.bitangent));
+#endif
 #ifdef TG_ANISOTROPIC
 #ifdef TG_TANGENT
     vec3 along = v_tangent;
@@ -29,7 +41,6 @@ void main() {
     // No tangents on the mesh: the object's own x axis, which is a generated blade's length.
     vec3 along = vec3(model_0.x, model_1.x, model_2.x);
 #endif
-    TangentFrame smooth_axes = smooth_frame(unfold_normal(folded));
     TangentFrame axes = tangent_frame(smooth_axes.normal, along);
     float c = dot(axes.tangent, smooth_axes.tangent);
     float s = dot(axes.tangent, smooth_axes.bitangent);

@@ -82,12 +82,13 @@ def frame_block(
     counts: LightCounts,
     lod_bias: float,
     slices: int = 0,
+    pixel: float = 1.0,
 ) -> F32:
-    """TgFrame. slices: of the lobe for each lamp of a size."""
+    """TgFrame. slices: of the lobe for each lamp of a size; pixel: width of what a sample stands for, in pixels."""
     block = np.zeros((8, 4), np.float32)
     block[0:4] = camera.projection.T  # columns
     block[4] = camera.ray
-    block[5, :3] = (float(camera.orthographic), counts.areas, slices)
+    block[5] = (float(camera.orthographic), counts.areas, slices, pixel)
     block[6] = (*world_rgb, world_row)
     block[7] = (counts.points, counts.spots, counts.suns, lod_bias)
     return block

@@ -186,6 +186,9 @@ class SceneData:
     world: World = World()
     colour: ColourSettings = ColourSettings()
     transparent: bool = False  # film: no background
+    filtered: bool = (
+        False  # highlights on steel are the mean over a pixel's facets, not the value at its centre
+    )
 
 
 @dataclass(frozen=True, eq=False)

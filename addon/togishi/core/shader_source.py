@@ -8,7 +8,7 @@ turns it into a GPUShaderCreateInfo; tests read it without a GPU. The texts live
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 
@@ -85,7 +85,7 @@ class LightVariant:
 
 
 # What the first half of polished steel can leave for the second, in the framebuffer's order.
-STEEL_TARGETS = ("surface", "map", "turn", "shape")
+STEEL_TARGETS = ("surface", "map", "turn", "shape", "bend")
 
 
 @dataclass(frozen=True)
@@ -97,6 +97,7 @@ class SteelVariant:
     hadori: bool = False
     anisotropic: bool = False
     tangent: bool = False
+    filtered: bool = False  # highlights are the mean over a pixel's facets
 
     def defines(self) -> dict[str, str]:
         flags = _flags(self)
@@ -120,6 +121,8 @@ class SteelVariant:
             targets.append(("RG32F", "VEC2", "turn"))
         if "TG_SHAPE" in flags:
             targets.append(("RGBA32F", "VEC4", "shape"))
+        if self.filtered:
+            targets.append(("RGBA16F", "VEC4", "bend"))
         return tuple(targets)
 
 
@@ -187,11 +190,12 @@ def _program(
     samplers: tuple[tuple[str, str], ...] = (),
     push_constants: tuple[tuple[str, str], ...] = (),
 ) -> ProgramSource:
+    # The text of lamps of a size is as long as all the rest: without them no compiler reads it.
+    parts = {"TG_AREAS": "viewport/areas.glsl", "TG_FILTERED": "viewport/pixel_step.glsl"}
     return ProgramSource(
         name=name,
         vertex=resolve(vertex),
-        # The text of lamps of a size is as long as all the rest: without them no compiler reads it.
-        fragment=resolve(fragment, None if "TG_AREAS" in defines else {"viewport/areas.glsl"}),
+        fragment=resolve(fragment, {part for flag, part in parts.items() if flag not in defines}),
         typedefs=_typedefs(),
         defines=tuple(sorted({**defines, **_SIZES, **_DIALECT}.items())),
         attributes=attributes,
@@ -321,6 +325,7 @@ INPUT_TARGETS = ("normal", "tangent", "view", "position", "ji", "ha")
 @cache
 def steel_inputs_program(steel: SteelVariant, *, many: bool = False) -> ProgramSource:
     """The model's inputs as the second half gets them, one RGBA target each (INPUT_TARGETS)."""
+    steel = replace(steel, filtered=False)
     defines = steel.defines()
     if many:
         defines["TG_MANY"] = ""
@@ -337,6 +342,7 @@ def steel_inputs_program(steel: SteelVariant, *, many: bool = False) -> ProgramS
 @cache
 def steel_direction_program(steel: SteelVariant) -> ProgramSource:
     """The direction to one lamp in each pixel of a steel, as the second half computes it."""
+    steel = replace(steel, filtered=False)
     return _steel_screen(
         "togishi_steel_direction",
         "viewport/steel_direction.frag.glsl",

@@ -172,7 +172,9 @@ def read_texture(texture: GPUTexture) -> np.ndarray:
     return np.array(buffer, np.float32).reshape(texture.height, texture.width, channels)
 
 
-def steel_variant(material: SteelMaterial, mesh: MeshData) -> SteelVariant:
+def steel_variant(
+    material: SteelMaterial, mesh: MeshData, *, filtered: bool = False
+) -> SteelVariant:
     """What a blade needs: maps only where mesh and material have them, and so on."""
     maps = material.maps if mesh.uv is not None else None
     anisotropic = material.anisotropic
@@ -182,6 +184,7 @@ def steel_variant(material: SteelMaterial, mesh: MeshData) -> SteelVariant:
         hadori=maps is not None and maps.hadori,
         anisotropic=anisotropic,
         tangent=anisotropic and mesh.tangent is not None,
+        filtered=filtered,
     )
 
 
@@ -224,7 +227,8 @@ class Renderer:
     ) -> Picture:
         """Colour (half float, or float32) of one sample per pixel. Leaves the GPU state as it found it.
 
-        lod_bias: added to the level of maps; -log2(samples)/2 where samples are gathered.
+        lod_bias: added to the level of maps; -log2(samples)/2 where samples are gathered. Highlights are filtered over as
+        much less of a pixel.
         moving: lamps of a size by few slices of the lobe; else as they are in a final picture.
         bench_61, every_lamp: slower ways to the same picture, for benchmarks (steel_light_program).
 
@@ -408,7 +412,9 @@ class Renderer:
         """The block "frame" for one pass of lamps; the world belongs to the first."""
         world = scene.world.radiance if index == 0 else (0.0, 0.0, 0.0)
         counts = self._passes[index].counts
-        content = packing.frame_block(space, world, 0, counts, lod_bias, self._slices)
+        # Twice the distance between samples, so that what is narrower than it is not missed between two.
+        pixel = min(2.0 * 2.0**lod_bias, 1.0)
+        content = packing.frame_block(space, world, 0, counts, lod_bias, self._slices, pixel)
         self._set(self._block("frame"), content)
 
     def _set_lights(self, space: ViewSpace, index: int) -> None:
@@ -594,7 +600,7 @@ class Renderer:
                     nakago = _PlainItem(instance, batch, f"{key}/nakago", material.nakago)
                     self._plains.append(nakago)
                 else:
-                    variant = steel_variant(material.steel, mesh.data)
+                    variant = steel_variant(material.steel, mesh.data, filtered=scene.filtered)
                     groups.setdefault((key, variant), []).append((instance, mesh, batch))
         self._plains.sort(key=lambda item: item.key)
         self._steels = []

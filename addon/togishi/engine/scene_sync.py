@@ -152,6 +152,7 @@ class SceneSync:
             world=world,
             colour=self._colour(depsgraph),
             transparent=depsgraph.scene_eval.render.film_transparent,
+            filtered=self._filtered(depsgraph),
         )
 
     def _read_lights(
@@ -181,7 +182,13 @@ class SceneSync:
             world=world,
             colour=self._colour(depsgraph),
             transparent=depsgraph.scene_eval.render.film_transparent,
+            filtered=self._filtered(depsgraph),
         )
+
+    @staticmethod
+    def _filtered(depsgraph: bpy.types.Depsgraph) -> bool:
+        settings = getattr(depsgraph.scene_eval, "togishi", None)
+        return bool(getattr(settings, "filter_highlights", True))
 
     @staticmethod
     def _colour(depsgraph: bpy.types.Depsgraph) -> ColourSettings:

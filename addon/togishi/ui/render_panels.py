@@ -27,6 +27,7 @@ class TOGISHI_PT_render(_RenderPanel, bpy.types.Panel):
         settings = context.scene.togishi
         layout.prop(settings, "viewport_samples", text="Viewport")
         layout.prop(settings, "samples", text="Render")
+        layout.prop(settings, "filter_highlights")
         layout.prop(context.scene.render, "film_transparent")
 
 
