@@ -65,8 +65,13 @@ class PlanJob(PhotographJob):
         setup = self._setup()
         self._progress(0.2)
         plan = self._core.capture_diffuse_plan(setup, options)
+        sentences = list(plan["sentences"])
+        if setup.silhouette is not None:
+            sentences.append(
+                f"The camera is refined on the outline in {Path(setup.silhouette).name} when maps are found"
+            )
         return {
-            "sentences": plan["sentences"],
+            "sentences": sentences,
             "picture": plan["picture"],
             "camera": setup.camera,
             "fit": setup.camera_fit,
@@ -103,7 +108,8 @@ class RunJob(PhotographJob):
         return {
             "sentences": sentences,
             "pictures": found["pictures"],
-            "camera": setup.camera,
+            "camera": found["camera"],
+            "outline": found["outline"],
             "frame": "surface",
         }
 
@@ -131,26 +137,42 @@ class RunJob(PhotographJob):
             ],
             "pictures": {"mu": grey_picture(ln_mu, found["usable"])},
             "camera": None,
+            "outline": None,
             "frame": "image",
         }
 
 
 class ProjectJob(PhotographJob):
-    """Maps onto the chart of the blade. Result: as togishi_core.capture_project."""
+    """Maps onto the chart of the blade. Result: as togishi_core.capture_project, and "camera" and "outline" where the
+    camera was refined here."""
+
+    def _refined(self) -> Any:
+        """The set-up on the outline that it names, where the run's camera is not that one already; else None."""
+        if self._lights or self._state["on_outline"]:
+            return None
+        setup = self._setup()
+        if setup.silhouette is None:
+            return None
+        return self._core.refine_capture_camera(setup, self._read)
 
     def _compute(self) -> Any:
+        refined = self._refined()
+        camera = self._state["camera"] if refined is None else refined.camera
         usable = files.read_plane(self._oiio, quality_path(self._path), "usable") > 0.5
         photograph = {
             "maps": map_files.load(maps_path(self._path)),
             "usable": usable,
-            "camera": self._state["camera"],
+            "camera": camera,
             "frame": self._state["frame"],
         }
         self._progress(0.2)
         width, height = self._state["size"]
-        return self._core.capture_project(
+        found = self._core.capture_project(
             self._state["blade"], [photograph], width, height, detail=self._state["detail"]
         )
+        found["camera"] = None if refined is None else refined.camera
+        found["outline"] = None if refined is None else refined.outline
+        return found
 
 
 def is_running() -> bool:
@@ -216,6 +238,11 @@ class TogishiPhotographs(bpy.types.PropertyGroup):
     rms_mm: FloatProperty(
         name="Residual (mm)", description="Root mean square of the landmarks, in mm", default=-1.0
     )
+    outline_mm: FloatProperty(
+        name="Outline (mm)",
+        description="Root mean square from the blade's outline to the picture's, in mm; below 0: not refined on it",
+        default=-1.0,
+    )
     camera_kind: EnumProperty(
         name="Camera",
         description="How the camera sees",
@@ -263,12 +290,14 @@ def state_of(kept: TogishiPhotographs) -> dict[str, Any]:
         "options": json.loads(kept.options_json),
         "landmarks": marked(kept),
         "camera": json.loads(kept.camera_json) if kept.camera_json else None,
+        "on_outline": kept.outline_mm >= 0.0,
         "frame": kept.frame or "surface",
     }
 
 
 def keep_fit(kept: TogishiPhotographs, fit: Mapping[str, Any] | None, offset: int = 0) -> None:
     """Residuals to their landmarks; offset: how many the set-up itself has before ours."""
+    kept.outline_mm = -1.0
     for one in kept.landmarks:
         one.residual_mm = -1.0
     kept.rms_mm = -1.0 if fit is None else float(fit["rms_mm"])
@@ -277,6 +306,18 @@ def keep_fit(kept: TogishiPhotographs, fit: Mapping[str, Any] | None, offset: in
     used = [one for one in kept.landmarks if one.has_point and one.has_pixel]
     for one, residual in zip(used, fit["residual_mm"][offset:], strict=False):
         one.residual_mm = float(residual)
+
+
+def keep_camera(
+    kept: TogishiPhotographs,
+    camera: Mapping[str, Any] | None,
+    outline: Mapping[str, Any] | None,
+) -> None:
+    """A camera that a job found, and how near it brings the outline, where it looked."""
+    if camera is None:
+        return
+    kept.camera_json = json.dumps(camera)
+    kept.outline_mm = -1.0 if outline is None else float(outline["rms_mm"])
 
 
 def keep_picture(

@@ -170,6 +170,33 @@ bool has_geometry(const CaptureSetup& setup) {
                        [](const PhotographSetup& p) { return p.source.has_value(); });
 }
 
+void refine_camera(CaptureSetup& setup, const CapturePictureReader& read) {
+    if (setup.silhouette.file.empty() || setup.silhouette_fit) return;
+    const auto* blade = std::get_if<BladeSurface>(&setup.surface);
+    if (blade == nullptr || !setup.camera) {
+        throw InputError(setup.file.string(), "camera.silhouette", setup.silhouette.file,
+                         "a blade (surface.kind), whose outline is known");
+    }
+    const std::filesystem::path path = setup.path_of(setup.silhouette.file);
+    const CapturePicture image = read(path);
+    if (image.width != setup.camera->width_px || image.height != setup.camera->height_px) {
+        throw InputError(path.string(), "size",
+                         std::to_string(image.width) + " x " + std::to_string(image.height),
+                         "that of the camera");
+    }
+    // Any mean of the channels shows an outline.
+    const auto channels = static_cast<std::size_t>(image.channels);
+    std::vector<float> picture(image.values.size() / channels, 0.0F);
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        picture[i / channels] += image.values[i] / static_cast<float>(channels);
+    SilhouetteOptions options;
+    options.search_mm = setup.silhouette.search_mm;
+    setup.silhouette_fit =
+        refine_on_silhouette(make_katana(blade->parameters, blade->detail), *setup.camera, picture,
+                             setup.camera_fit ? setup.landmarks : std::vector<Landmark>{}, options);
+    setup.camera = setup.silhouette_fit->camera;
+}
+
 DiffusePlan plan_setup(const CaptureSetup& setup, const DiffuseOptions& options) {
     need_photographs(setup);
     if (!has_geometry(setup)) lacks_geometry(setup);
@@ -185,6 +212,10 @@ DiffuseResult evaluate_setup(const CaptureSetup& setup, const DiffuseOptions& op
                              const DiffuseProgress& progress) {
     need_photographs(setup);
     if (geometry && !has_geometry(setup)) lacks_geometry(setup);
+    if (geometry && !setup.silhouette.file.empty() && !setup.silhouette_fit) {
+        throw InputError(setup.file.string(), "camera.silhouette", "not refined yet",
+                         "a camera refined on that outline");
+    }
     if (!geometry && setup.references.empty()) lacks_geometry(setup);
     Loaded loaded = load_all(setup, geometry, read, progress);
     if (!geometry) {

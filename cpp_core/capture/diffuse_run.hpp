@@ -27,13 +27,19 @@ void take_material(const CaptureSetup& setup, bool hadori, DiffuseOptions& optio
 /// Whether camera, surface and every photograph's source are stated.
 [[nodiscard]] bool has_geometry(const CaptureSetup& setup);
 
+/// Puts the camera where the outline in the picture says that setup.silhouette names. Nothing where
+/// none is named, or where that was done before. Throws InputError where there is no blade, for a
+/// picture of another size than the camera's, and as refine_on_silhouette.
+void refine_camera(CaptureSetup& setup, const CapturePictureReader& read);
+
 /// What this set-up can tell, before anything is photographed: no picture is read. Throws
 /// InputError where there is no geometry, and as plan_diffuse.
 [[nodiscard]] DiffusePlan plan_setup(const CaptureSetup& setup, const DiffuseOptions& options);
 
 /// Reads the pictures, takes dark and flat frames out and solves; the result's `calibration` says
 /// what the scale came from. geometry: false solves by two reference areas. Throws InputError
-/// naming set-up or picture, and as solve_diffuse; DiffuseCancelled.
+/// naming set-up or picture, where a silhouette is named and the camera was not refined on it, and
+/// as solve_diffuse; DiffuseCancelled.
 [[nodiscard]] DiffuseResult evaluate_setup(const CaptureSetup& setup, const DiffuseOptions& options,
                                            bool geometry, const CapturePictureReader& read,
                                            const DiffuseProgress& progress = {});

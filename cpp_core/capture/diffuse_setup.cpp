@@ -451,21 +451,6 @@ std::string capture_setup_to_toml(const CaptureSetup& setup) {
     return out.str();
 }
 
-void refine_camera(CaptureSetup& setup, const std::vector<float>& picture) {
-    if (setup.silhouette.file.empty()) return;
-    const auto* blade = std::get_if<BladeSurface>(&setup.surface);
-    if (blade == nullptr || !setup.camera) {
-        throw InputError(setup.file.string(), "camera.silhouette", setup.silhouette.file,
-                         "a blade (surface.kind), whose outline is known");
-    }
-    SilhouetteOptions options;
-    options.search_mm = setup.silhouette.search_mm;
-    setup.silhouette_fit =
-        refine_on_silhouette(make_katana(blade->parameters, blade->detail), *setup.camera, picture,
-                             setup.camera_fit ? setup.landmarks : std::vector<Landmark>{}, options);
-    setup.camera = setup.silhouette_fit->camera;
-}
-
 SurfaceView view_of(const CaptureSetup& setup) {
     if (!setup.camera)
         throw InputError(setup.file.string(), "camera", "missing", "a table [camera]");

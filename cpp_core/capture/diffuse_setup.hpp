@@ -90,7 +90,8 @@ struct CaptureSetup {
     std::vector<Landmark> landmarks;
     std::optional<CameraFit> camera_fit;  ///< where the camera was found by the landmarks
     SilhouetteSetup silhouette;
-    std::optional<SilhouetteFit> silhouette_fit;  ///< where refine_camera has been at work
+    std::optional<SilhouetteFit>
+        silhouette_fit;  ///< where diffuse_run.hpp's refine_camera was at work
     CaptureSurface surface;
     std::vector<PhotographSetup> photographs;
     std::vector<ReferenceArea> references;
@@ -105,11 +106,6 @@ struct CaptureSetup {
 [[nodiscard]] CaptureSetup read_capture_setup(const std::filesystem::path& file);
 /// Text that capture_setup_from_toml reads back as the same set-up.
 [[nodiscard]] std::string capture_setup_to_toml(const CaptureSetup& setup);
-
-/// Puts the camera where the outline in `picture` says (one value a pixel, row-major from the upper
-/// left, as setup.silhouette.file has it). Nothing where no such file is named. Throws InputError
-/// where there is no blade, and as refine_on_silhouette.
-void refine_camera(CaptureSetup& setup, const std::vector<float>& picture);
 
 /// The camera's view of the set-up's surface. Throws InputError where there is no camera or no
 /// surface.

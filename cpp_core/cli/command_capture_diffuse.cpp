@@ -16,7 +16,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "capture/diffuse_run.hpp"
-#include "cli/capture_camera.hpp"
+#include "cli/capture_picture.hpp"
 #include "cli/commands.hpp"
 #include "image/float_image.hpp"
 #include "image/map_file.hpp"
@@ -33,12 +33,6 @@ struct Options {
     bool plan = false, no_geometry = false, hadori = false;
     DiffuseOptions diffuse;
 };
-
-CapturePicture read_picture(const std::filesystem::path& path) {
-    FloatImage image = read_float_image(path);
-    return {image.width, image.height, image.channels, std::move(image.values),
-            image.whole_numbers};
-}
 
 Json json_of(const DiffusePlan& plan) {
     Json out{{"mu_deg", plan.mu_deg},
@@ -179,7 +173,7 @@ Json compare(const DiffuseResult& result, const std::string& path) {
 
 void run(Options o, const Common& common) {
     CaptureSetup setup = read_capture_setup(o.setup);
-    if (!o.plan) refine_camera_on_picture(setup);
+    if (!o.plan) refine_camera(setup, read_capture_picture);
     if (!o.only.empty()) choose(setup, o.only);
     if (!o.material.empty()) setup.material = o.material;
     take_material(setup, o.hadori, o.diffuse);
@@ -210,7 +204,8 @@ void run(Options o, const Common& common) {
         }
         return true;
     };
-    const DiffuseResult result = evaluate_setup(setup, o.diffuse, geometry, read_picture, progress);
+    const DiffuseResult result =
+        evaluate_setup(setup, o.diffuse, geometry, read_capture_picture, progress);
     MapFileInfo info;
     if (setup.camera && !setup.camera->pinhole) {
         info.chart_mm = {static_cast<float>(setup.camera->width_px / setup.camera->scale),

@@ -12,9 +12,9 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "capture/diffuse_setup.hpp"
+#include "capture/diffuse_run.hpp"
 #include "capture/project.hpp"
-#include "cli/capture_camera.hpp"
+#include "cli/capture_picture.hpp"
 #include "cli/commands.hpp"
 #include "image/float_image.hpp"
 #include "image/map_file.hpp"
@@ -71,7 +71,7 @@ void run(Options o, const Common& common) {
         if (blade == nullptr)
             throw InputError(o.setups[k], "surface", "no blade", "surface.kind = \"blade\"");
         if (!setup.camera) throw InputError(o.setups[k], "camera", "missing", "a table [camera]");
-        refine_camera_on_picture(setup);
+        refine_camera(setup, read_capture_picture);
         if (!mesh) mesh = make_katana(blade->parameters, blade->detail);
         ProjectedMap photograph;
         photograph.maps = read_map_file(o.maps[k]).levels.front();

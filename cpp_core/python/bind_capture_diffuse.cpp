@@ -121,6 +121,15 @@ py::dict plan_of(const CaptureSetup& given, const py::object& options) {
     return d;
 }
 
+py::object camera_of(const CaptureSetup& setup) {
+    return setup.camera ? py::object(dict_from_camera(*setup.camera)) : py::object(py::none());
+}
+
+py::object outline_of(const CaptureSetup& setup) {
+    return setup.silhouette_fit ? py::object(dict_from_outline(*setup.silhouette_fit))
+                                : py::object(py::none());
+}
+
 py::dict dict_from_result(const CaptureSetup& setup, const DiffuseOptions& options,
                           const DiffuseResult& result) {
     PropertyMaps maps;
@@ -156,6 +165,8 @@ py::dict dict_from_result(const CaptureSetup& setup, const DiffuseOptions& optio
     d["mu_measured"] = result.mu_measured;
     d["calibration"] = result.calibration;
     d["source"] = source_text(setup, result);
+    d["camera"] = camera_of(setup);
+    d["outline"] = outline_of(setup);
     d["notes"] = list_of(result.notes);
     pictures["w"] = array_of(w);
     if (result.mu_measured) pictures["mu"] = array_of(mu);
@@ -178,6 +189,7 @@ py::dict run(const CaptureSetup& given, const py::object& read_picture, const py
     DiffuseResult result;
     try {
         const py::gil_scoped_release release;
+        if (chosen.geometry) refine_camera(setup, read);
         result = evaluate_setup(setup, chosen.options, chosen.geometry, read, report);
     } catch (const DiffuseCancelled&) {
         PyErr_SetString(PyExc_InterruptedError, "capture diffuse: cancelled");
@@ -186,8 +198,17 @@ py::dict run(const CaptureSetup& given, const py::object& read_picture, const py
     return dict_from_result(setup, chosen.options, result);
 }
 
-py::object camera_of(const CaptureSetup& setup) {
-    return setup.camera ? py::object(dict_from_camera(*setup.camera)) : py::object(py::none());
+SharedSetup refined(const CaptureSetup& given, const py::object& read_picture) {
+    auto setup = std::make_shared<CaptureSetup>(given);
+    const CapturePictureReader read = reader_of(read_picture);
+    const py::gil_scoped_release release;
+    refine_camera(*setup, read);
+    return setup;
+}
+
+py::object silhouette_of(const CaptureSetup& setup) {
+    if (setup.silhouette.file.empty()) return py::none();
+    return py::str(setup.path_of(setup.silhouette.file).string());
 }
 
 py::object fit_of(const CaptureSetup& setup) {
@@ -234,6 +255,8 @@ void bind_capture_diffuse(py::module_& m) {
         .def_property_readonly("camera", &camera_of)
         .def_property_readonly("camera_fit", &fit_of)
         .def_property_readonly("landmarks", &landmarks_of)
+        .def_property_readonly("silhouette", &silhouette_of)
+        .def_property_readonly("outline", &outline_of)
         .def_property_readonly("files", &files_of)
         .def("to_toml", &capture_setup_to_toml, "Text that parse_capture_setup reads back.");
     m.def(
@@ -252,6 +275,8 @@ void bind_capture_diffuse(py::module_& m) {
             return std::make_shared<CaptureSetup>(read_capture_setup(path));
         },
         py::arg("path"), "A set-up's file (TOML). InputError names file, line and field.");
+    m.def("refine_capture_camera", &refined, py::arg("setup"), py::arg("read_picture"),
+          "The set-up with its camera refined on the outline in the picture that it names.");
     m.def("capture_diffuse_plan", &plan_of, py::arg("setup"), py::arg("options") = py::dict(),
           "What the set-up can tell, before anything is photographed; no picture is read.");
     m.def("capture_diffuse", &run, py::arg("setup"), py::arg("read_picture"),

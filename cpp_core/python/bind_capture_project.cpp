@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "capture/project.hpp"
+#include "capture/silhouette.hpp"
 #include "python/blade_parameters.hpp"
 #include "python/capture_dict.hpp"
 #include "python/map_dict.hpp"
@@ -56,6 +57,35 @@ py::dict pose(const py::object& landmarks, std::size_t width_px, std::size_t hei
                                                 {facing[0], facing[1], facing[2]}, max_residual_mm);
     }
     return dict_from_fit(fit);
+}
+
+py::dict on_outline(const py::object& parameters, const py::object& camera,
+                    const py::object& picture, const py::object& landmarks, double search_mm,
+                    double detail) {
+    const KatanaParameters blade = katana_from_python(parameters);
+    const Camera start = camera_from_dict(camera);
+    const std::vector<Landmark> marks = landmarks_from_list(landmarks);
+    SilhouetteOptions options;
+    options.search_mm = search_mm;
+    const auto values =
+        py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(picture);
+    if (!values) throw py::error_already_set();
+    if (values.ndim() != 2) throw InputError("picture", "type", "no rows", "(H, W) numbers");
+    if (values.shape(0) != start.height_px || values.shape(1) != start.width_px) {
+        throw InputError("picture", "size",
+                         std::to_string(values.shape(1)) + " x " + std::to_string(values.shape(0)),
+                         "that of the camera");
+    }
+    const std::vector<float> pixels(values.data(), values.data() + values.size());
+    SilhouetteFit fit;
+    {
+        const py::gil_scoped_release release;
+        fit = refine_on_silhouette(make_katana(blade, detail), start, pixels, marks, options);
+    }
+    py::dict d;
+    d["camera"] = dict_from_camera(fit.camera);
+    d["outline"] = dict_from_outline(fit);
+    return d;
 }
 
 ProjectedMap photograph_from(const py::handle& mapping, std::size_t number) {
@@ -114,6 +144,10 @@ void bind_capture_project(py::module_& m) {
           py::arg("height_px"), py::arg("kind") = "orthographic",
           py::arg("facing") = std::vector<double>{0, 1, 0}, py::arg("max_residual_mm") = 2.0,
           "The camera of a photograph from places on the blade and where they are in the picture.");
+    m.def("camera_on_outline", &on_outline, py::arg("katana_parameters"), py::arg("camera"),
+          py::arg("picture"), py::arg("landmarks") = py::list(), py::kw_only(),
+          py::arg("search_mm") = SilhouetteOptions{}.search_mm, py::arg("detail") = 1.0,
+          "A camera refined on the blade's outline against a plain ground in its photograph.");
     m.def("capture_project", &project, py::arg("katana_parameters"), py::arg("photographs"),
           py::arg("width") = 4096, py::arg("height") = 512, py::kw_only(),
           py::arg("feather_px") = ProjectOptions{}.feather_px, py::arg("detail") = 1.0,

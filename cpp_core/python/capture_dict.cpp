@@ -185,6 +185,16 @@ py::dict dict_from_fit(const CameraFit& fit) {
     return d;
 }
 
+py::dict dict_from_outline(const SilhouetteFit& fit) {
+    py::dict d;
+    d["rms_mm"] = fit.rms_mm;
+    d["p90_mm"] = fit.p90_mm;
+    d["before_rms_mm"] = fit.before_rms_mm;
+    d["points"] = fit.points;
+    d["outline"] = fit.outline;
+    return d;
+}
+
 py::array_t<std::uint8_t> array_of(const Picture& picture) {
     return py::array_t<std::uint8_t>({picture.height, picture.width, 3}, picture.rgb.data());
 }

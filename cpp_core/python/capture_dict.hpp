@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/camera_pose.hpp"
+#include "capture/silhouette.hpp"
 #include "plot/canvas.hpp"
 
 namespace togishi {
@@ -38,6 +39,8 @@ class OptionReader {
 [[nodiscard]] pybind11::dict dict_from_camera(const Camera& camera);
 [[nodiscard]] std::vector<Landmark> landmarks_from_list(const pybind11::handle& list);
 [[nodiscard]] pybind11::dict dict_from_fit(const CameraFit& fit);
+
+[[nodiscard]] pybind11::dict dict_from_outline(const SilhouetteFit& fit);
 
 /// (H, W, 3) uint8, the top row first.
 [[nodiscard]] pybind11::array_t<std::uint8_t> array_of(const Picture& picture);

@@ -289,6 +289,9 @@ class CaptureSetup:
     camera_fit: dict[str, Any] | None  # as camera_from_landmarks, where it was found by landmarks
     landmarks: list[dict[str, Any]]  # [{"name", "point_mm", "pixel"}]
     files: list[str]  # of the photographs, absolute or relative to the working folder
+    silhouette: str | None  # the picture on whose outline the camera is refined
+    outline: dict[str, Any] | None
+    """Where the camera was refined on it: {"rms_mm", "p90_mm", "before_rms_mm", "points" found of "outline"}."""
 
     def to_toml(self) -> str:
         """Text that parse_capture_setup reads back."""
@@ -298,6 +301,10 @@ def parse_capture_setup(text: str, name: str = "text") -> CaptureSetup:
 
 def read_capture_setup(path: str) -> CaptureSetup:
     """A set-up's file (TOML). InputError names file, line and field."""
+
+def refine_capture_camera(setup: CaptureSetup, read_picture: Callable[[str], tuple[F32, bool]]) -> CaptureSetup:
+    """The set-up with its camera refined on the outline in the picture that it names; as it is where it names none.
+    read_picture: as capture_diffuse. InputError as camera_on_outline."""
 
 def capture_diffuse_plan(setup: CaptureSetup, options: Mapping[str, Any] = {}) -> dict[str, Any]:
     """What the set-up can tell, before anything is photographed; no picture is read. {"mu_deg" (K), "mu_share" (K),
@@ -319,8 +326,8 @@ def capture_diffuse(
     returning False cancels with InterruptedError.
     {"maps" channel -> (H, W), row 0 the lowest; "quality" {"sigma.w", "sigma.ji.ln_mu_deg", "sigma.ha.ln_mu_deg",
     "sigma.h", "chi2", "mask"} and "usable" (H, W) bool, the top row first; "seen", "masked_w", "masked_mu" pixels,
-    "masked" reason -> pixels, "mu_measured", "calibration", "source", "notes", "pictures" {"w"; "mu" where measured}
-    (H, W, 3) uint8}."""
+    "masked" reason -> pixels, "mu_measured", "calibration", "source", "camera" (refined on the outline where
+    the set-up names one), "outline" as the set-up's, "notes", "pictures" {"w"; "mu" where measured} (H, W, 3) uint8}."""
 
 CAPTURE_CHANNELS: list[str]
 """N.X N.Y N.Z lobe.ln_mu_deg … flags: of a map from many known lights (docs/capture.md, "What comes out")."""
@@ -382,6 +389,19 @@ def camera_from_landmarks(
     """The camera of a photograph from [{"name", "point_mm", "pixel"}] (pixels from the upper left corner): orthographic
     by 4 or more, pinhole by 6 or more not in one plane. {"camera", "residual_mm", "residual_px", "rms_mm"}. facing:
     from the blade to the camera, roughly (orthographic). InputError where they do not determine it, naming why."""
+
+def camera_on_outline(
+    katana_parameters: Mapping[str, Any],
+    camera: Mapping[str, Any],
+    picture: F32,
+    landmarks: list[Mapping[str, Any]] = [],
+    *,
+    search_mm: float = 4.0,
+    detail: float = 1.0,
+) -> dict[str, Any]:
+    """{"camera", "outline" as CaptureSetup's}: a camera refined on the blade's outline against a plain ground. picture:
+    (H, W), the top row first. landmarks: those that gave the camera; they keep what an outline does not tell. InputError
+    where the outline is not found within search_mm of where the camera puts it."""
 
 def capture_project(
     katana_parameters: Mapping[str, Any],

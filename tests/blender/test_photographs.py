@@ -8,6 +8,7 @@ import time
 import bpy
 import numpy as np
 import pytest
+from blade_outline import against_the_light
 from ui_fixtures import add_katana, addon  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -226,6 +227,60 @@ def test_a_set_up_takes_its_camera_from_landmarks(tmp_path):
     assert json.loads(kept.camera_json)["scale"] == pytest.approx(SCALE, rel=1e-3)
     assert 0.0 <= kept.rms_mm < 0.01
     assert kept.landmarks[0].residual_mm >= 0.0
+
+
+def write_outline(folder) -> None:
+    """The blade against the light, from where the stated camera stands."""
+    camera = native.core().parse_capture_setup(HEAD + CAMERA + STATED + SETUP).camera
+    mesh = native.core().katana(native.core().katana_defaults(), 0.02)
+    outline = against_the_light(camera, mesh)[..., None]
+    files.write_planes(image_io(), folder / "outline.exr", ["Y"], outline)
+
+
+# A millimetre and a half off, both ways.
+OFF = STATED.replace(f"[{WIDTH / 2}, {HEIGHT / 2}]", f"[{WIDTH / 2 + 0.8}, {HEIGHT / 2 - 0.8}]")
+
+
+def test_a_set_ups_camera_is_refined_on_the_outline(tmp_path):
+    material = blade_object.blade_material(add_katana())
+    write_outline(tmp_path)
+    kept = choose(write_setup(tmp_path, 'silhouette = "outline.exr"\n' + OFF))
+    assert "the outline in outline.exr" in kept.plan
+    stated = json.loads(kept.camera_json)
+    assert stated["centre_px"][0] == WIDTH / 2 + 0.8 and kept.outline_mm < 0.0
+    assert bpy.ops.scene.togishi_photographs_run() == {"FINISHED"}
+    assert 0.0 <= kept.outline_mm < 0.8
+    refined = json.loads(kept.camera_json)
+    assert refined != stated
+    # A camera of before the refinement is refined where the maps are applied.
+    kept.camera_json, kept.outline_mm = json.dumps(stated), -1.0
+    usable = np.ones((HEIGHT, WIDTH, 1), np.float32)
+    files.write_planes(image_io(), tmp_path / "setup-maps-quality.exr", ["usable"], usable)
+    assert bpy.ops.scene.togishi_photographs_apply() == {"FINISHED"}
+    assert json.loads(kept.camera_json) == refined and kept.outline_mm >= 0.0
+    assert material.togishi.lobes_image is not None
+    (tmp_path / "outline.exr").unlink()
+    with pytest.raises(RuntimeError, match=r"The photographs tell nothing yet.*outline\.exr"):
+        bpy.ops.scene.togishi_photographs_run()
+
+
+def test_a_stacks_camera_is_refined_on_an_outline(tmp_path):
+    blade = add_katana()
+    blade.togishi.detail = 0.02
+    write_outline(tmp_path)
+    kept = choose(write_stack(tmp_path))
+    assert not bpy.ops.scene.togishi_camera_outline.poll()
+    off = native.core().parse_capture_setup(HEAD + CAMERA + OFF + SETUP).camera
+    kept.camera_json = json.dumps(off)
+    with pytest.raises(RuntimeError, match="plain ground"):  # a photograph without any
+        bpy.ops.scene.togishi_camera_outline()
+    assert json.loads(kept.camera_json)["centre_px"] == list(off["centre_px"])
+    outline = str(tmp_path / "outline.exr")
+    assert bpy.ops.scene.togishi_camera_outline(filepath=outline) == {"FINISHED"}
+    assert 0.0 <= kept.outline_mm < 0.8
+    assert json.loads(kept.camera_json) != json.loads(json.dumps(off))
+    mark(FOUR[:1])  # another camera is to come
+    assert kept.outline_mm < 0.0
 
 
 def test_degenerate_landmarks_are_refused_with_the_cores_sentence(tmp_path):

@@ -4,12 +4,14 @@ import os
 import resource
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 
 REPOSITORY = Path(__file__).parents[2]
+sys.path.insert(0, str(REPOSITORY / "tests"))
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 

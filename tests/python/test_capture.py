@@ -9,6 +9,7 @@ from threading import Event
 import numpy as np
 import pytest
 import togishi_core as core
+from blade_outline import against_the_light
 
 WIDTH, HEIGHT = 32, 6
 # A flat plate under two distant boxes: every pixel sees them as the plan's middle does, within the noise.
@@ -289,3 +290,47 @@ def test_maps_come_onto_the_blade():
         core.capture_project(blade, [], 64, 16)
     with pytest.raises(core.InputError, match="photograph 1"):
         core.capture_project(blade, [{**photograph, "usable": unusable[:3]}], 64, 16, detail=0.05)
+
+
+def test_the_outline_corrects_the_camera(tmp_path):
+    true = {**camera(), "width_px": 800, "height_px": 80, "scale": 1.0, "centre_px": (400.0, 40.0)}
+    picture = against_the_light(true, core.katana(core.katana_defaults(), 0.05))
+    off = {**true, "centre_px": (401.2, 38.8)}
+    found = core.camera_on_outline(core.katana_defaults(), off, picture, detail=0.05)
+    assert found["outline"]["rms_mm"] < 0.4 < 0.8 < found["outline"]["before_rms_mm"]
+    at = np.array(found["camera"]["position_mm"]) - true["position_mm"]
+    moved = found["camera"]["centre_px"] - at @ np.stack([true["right"], true["down"]], -1)
+    np.testing.assert_allclose(moved, true["centre_px"], atol=0.4)
+    with pytest.raises(core.InputError, match="plain ground"):
+        core.camera_on_outline(core.katana_defaults(), off, 0 * picture, detail=0.05)
+    with pytest.raises(core.InputError, match=r"80 x 800.*that of the camera"):
+        core.camera_on_outline(core.katana_defaults(), off, picture.T, detail=0.05)
+
+    # The same by a set-up that names the picture: the evaluation does not run without it.
+    text = SETUP.replace('kind = "plate"\nsize_mm = [8.0, 4.0]', 'kind = "blade"\ndetail = 0.05')
+    start = text.index("[camera]")
+    text = text[:start] + text[text.index("[surface]") :]
+    text += '[camera]\nsilhouette = "out.tif"\nscale_px_per_mm = 1.0\n' + "\n".join(
+        f"{key} = {str(list(value)) if isinstance(value, tuple) else repr(value)}".replace("'", '"')
+        for key, value in off.items()
+        if key != "scale"
+    )
+    asked = []
+
+    def read(path: str):
+        asked.append(Path(path).name)
+        return (picture if asked[-1] == "out.tif" else np.full_like(picture, 0.1)), False
+
+    given = setup(tmp_path, text)
+    assert Path(given.silhouette).name == "out.tif" and given.outline is None
+    refined = core.refine_capture_camera(given, read)
+    assert given.camera["centre_px"] == (401.2, 38.8) and given.outline is None
+    assert refined.camera == found["camera"] and refined.outline == found["outline"]
+    result = core.capture_diffuse(given, read, {"border_px": 3})
+    assert asked == ["out.tif", "out.tif", "one.tif", "two.tif"]
+    assert result["camera"] == found["camera"] and result["outline"] == found["outline"]
+    asked.clear()
+    core.capture_diffuse(refined, read)
+    assert asked == ["one.tif", "two.tif"]
+    with pytest.raises(core.InputError, match=r"out\.tif.*4 x 4.*that of the camera"):
+        core.capture_diffuse(given, lambda _path: (np.zeros((4, 4)), False))

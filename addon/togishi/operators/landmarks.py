@@ -6,13 +6,21 @@ import json
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatVectorProperty
+from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy_extras import view3d_utils
 
-from .. import blade_object, photographs, properties
+from .. import blade_object, map_files, photographs, properties
 from ..core import native
+from ..core import photographs as files
 from ..core.landmarks import edge_points, snapped
-from .photographs import NEEDS_GENERATED, NEEDS_SETUP, at_rest, can_read, generated_blade
+from .photographs import (
+    NEEDS_GENERATED,
+    NEEDS_POSE,
+    NEEDS_SETUP,
+    at_rest,
+    can_read,
+    generated_blade,
+)
 from .poll import allowed
 
 NEEDS_PHOTOGRAPH = "No photograph to mark places in; 'Photographs to Maps' chooses one"
@@ -271,10 +279,68 @@ class TOGISHI_OT_camera_solve(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class TOGISHI_OT_camera_outline(bpy.types.Operator):
+    """Move the camera until the blade's outline lies on that in a photograph with a plain ground. A set-up that names
+    such a picture needs no click"""
+
+    bl_idname = "scene.togishi_camera_outline"
+    bl_label = "Refine on Outline"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: StringProperty(
+        name="Picture",
+        description="The blade against a plain ground, from the same place; empty: the photograph itself",
+        subtype="FILE_PATH",
+    )
+    search_mm: FloatProperty(
+        name="Search (mm)",
+        description="How far the outline may lie from where the camera puts it, in mm",
+        default=4.0,
+        min=0.1,
+        max=100.0,
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        kept = context.scene.togishi_photographs
+        return allowed(
+            cls,
+            *can_read(),
+            (kept.photograph, NEEDS_PHOTOGRAPH),
+            (kept.camera_json, NEEDS_POSE),
+            (generated_blade(context), NEEDS_GENERATED),
+        )
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        kept = context.scene.togishi_photographs
+        blade = generated_blade(context)
+        assert blade is not None
+        path = bpy.path.abspath(self.filepath or kept.photograph.filepath)
+        try:
+            picture, _whole = files.read_picture(map_files.open_image_io(), path)
+            found = native.core().camera_on_outline(
+                properties.katana_parameters(blade),
+                json.loads(kept.camera_json),
+                picture.mean(axis=-1),
+                photographs.marked(kept) if kept.rms_mm >= 0.0 else [],
+                search_mm=self.search_mm,
+                detail=blade.togishi.detail,
+            )
+        except (native.core().InputError, OSError) as error:
+            self.report({"ERROR"}, f"The camera cannot be found: {error}")
+            return {"CANCELLED"}
+        photographs.keep_camera(kept, found["camera"], found["outline"])
+        self.report(
+            {"INFO"}, f"Camera refined: the outline lies within {kept.outline_mm:.2f} mm (rms)"
+        )
+        return {"FINISHED"}
+
+
 CLASSES = (
     TOGISHI_OT_landmark_add,
     TOGISHI_OT_landmark_pick,
     TOGISHI_OT_landmark_mark,
     TOGISHI_OT_landmark_remove,
     TOGISHI_OT_camera_solve,
+    TOGISHI_OT_camera_outline,
 )

@@ -220,8 +220,7 @@ class TOGISHI_OT_photographs_plan(_Work, bpy.types.Operator):
     def keep(self, _context: bpy.types.Context, scene: bpy.types.Scene, result: Any) -> None:
         kept = scene.togishi_photographs
         kept.plan = "\n".join(result["sentences"])
-        if result["camera"] is not None:
-            kept.camera_json = json.dumps(result["camera"])
+        photographs.keep_camera(kept, result["camera"], None)
         if result.get("fit") is not None:
             photographs.keep_fit(kept, result["fit"], result["offset"])
         if result["picture"] is not None:
@@ -246,8 +245,7 @@ class TOGISHI_OT_photographs_run(_Work, bpy.types.Operator):
         kept = scene.togishi_photographs
         kept.found = "\n".join(result["sentences"])
         kept.frame = result["frame"]
-        if result["camera"] is not None:
-            kept.camera_json = json.dumps(result["camera"])
+        photographs.keep_camera(kept, result["camera"], result["outline"])
         for name, picture in result["pictures"].items():
             field = f"{name}_image"
             image = photographs.keep_picture(
@@ -295,7 +293,8 @@ class TOGISHI_OT_photographs_apply(_Work, bpy.types.Operator):
             }
         )
 
-    def keep(self, _context: bpy.types.Context, _scene: bpy.types.Scene, result: Any) -> None:
+    def keep(self, _context: bpy.types.Context, scene: bpy.types.Scene, result: Any) -> None:
+        photographs.keep_camera(scene.togishi_photographs, result["camera"], result["outline"])
         material = data_blocks.by_uid(bpy.data.materials, self._material)
         if material is None:
             self.report({"WARNING"}, "The material is gone; the maps were not applied")

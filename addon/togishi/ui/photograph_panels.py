@@ -48,10 +48,14 @@ def _draw_landmarks(layout: bpy.types.UILayout, kept: bpy.types.PropertyGroup, a
     row = layout.row(align=True)
     row.prop(kept, "camera_kind", expand=True)
     row.prop(kept, "side", text="")
-    layout.operator("scene.togishi_camera_solve", icon="CAMERA_DATA")
+    row = layout.row(align=True)
+    row.operator("scene.togishi_camera_solve", icon="CAMERA_DATA")
+    row.operator("scene.togishi_camera_outline", icon="MESH_DATA")
     if kept.rms_mm >= 0.0:
         layout.label(text=f"Camera found, {kept.rms_mm:.2f} mm rms", icon="CHECKMARK")
-    elif not kept.camera_json:
+    if kept.outline_mm >= 0.0:
+        layout.label(text=f"Outline found, {kept.outline_mm:.2f} mm rms", icon="CHECKMARK")
+    if not kept.camera_json:
         draw_sentence(layout, "The camera is not known yet", "INFO")
 
 
