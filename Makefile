@@ -57,7 +57,7 @@ demo: command core ## the main job on real input: pictures and a page in out/dem
 	@$(SAY) "done: open out/demo/index.html"
 
 # Not among them: `make package` (downloads zig) and `make test-window` (unpacks a second Debian).
-test: test-cpp test-python test-package ## all tests but test-window
+test: test-cpp test-python ## all tests but test-window
 	@$(SAY) "all tests passed. Figures: make results; pictures: make demo"
 
 test-cpp: build
@@ -72,26 +72,23 @@ core-5.2-where-possible:
 	    $(SAY) "SKIPPED: Blender 5.2 LTS needs Python 3.13, and none was found. Only Blender 4.5 LTS is tested."; \
 	fi
 
-# Two versions at a time: a Blender without a window keeps one core busy.
-test-python: build core core-5.2-where-possible
-	@$(SAY) "Python tests, and tests inside Blender 4.5 LTS; beside them 5.2 LTS, shown at the end"
-	@export PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI)); other=; \
-	if [ -x $(PY52) ]; then $(PY52) -m pytest -q tests/blender >build/test-blender-5.2.log 2>&1 & other=$$!; fi; \
-	$(PY) -m pytest -q; code=$$?; \
-	if [ -n "$$other" ]; then \
-	    wait $$other; other=$$?; $(SAY) "tests inside Blender 5.2 LTS"; cat build/test-blender-5.2.log; \
-	fi; exit $$((code | other))
-
-# The package is tested around the modules that `make core` installed, so that neither this nor CI needs zig. Two
-# versions at a time: a Blender without a window keeps one core busy.
+# The package is tested around the modules that `make core` installed, so that neither this nor CI needs zig.
 ZIP ?=
+PACKAGE_45 = "package in 4.5=$(PY) -m pytest -q tests/package -k 'not 5.2'"
+PACKAGE_52 = "package in 5.2=$(PY) -m pytest -q tests/package -k 5.2"
+SIDE_BY_SIDE = TOGISHI_PACKAGE=$(ZIP) $(PY) tools/side_by_side.py --logs build/tests
+HERE = env PYTHONPATH=addon TOGISHI_CLI=$(abspath $(TOGISHI))
+test-python: build core core-5.2-where-possible
+	@tools/setup_openimageio.sh
+	@$(SAY) "Python tests, tests inside Blender, and the extension installed into clean Blenders; logs in build/tests"
+	@two=(); [ ! -x $(PY52) ] || two=("Blender 5.2=$(HERE) $(PY52) -m pytest -q tests/blender" $(PACKAGE_52)); \
+	$(SIDE_BY_SIDE) "Blender 4.5=$(HERE) $(PY) -m pytest -q tests/blender" "$${two[@]:0:1}" \
+	    "Python=$(HERE) $(PY) -m pytest -q tests/python" $(PACKAGE_45) "$${two[@]:1}"
+
 test-package: core core-5.2-where-possible ## the extension installed into clean Blenders: 4.5 LTS, and 5.2 LTS where core-5.2 is (ZIP=dist/F.zip: this package)
 	@tools/setup_openimageio.sh
 	@$(SAY) "the extension installed into clean Blenders"
-	@export TOGISHI_PACKAGE=$(ZIP); \
-	$(PY) -m pytest -q tests/package -k "5.2" >build/test-package-5.2.log 2>&1 & other=$$!; \
-	$(PY) -m pytest -q tests/package -k "not 5.2"; code=$$?; \
-	wait $$other; other=$$?; cat build/test-package-5.2.log; exit $$((code | other))
+	@$(SIDE_BY_SIDE) $(PACKAGE_45) $(PACKAGE_52)
 
 test-window: core-5.2 ## the extension in a real window of trixie's Blender; pictures in out/window (ZIP=dist/F.zip: this package)
 	@tools/setup_debian.sh apt-window.txt

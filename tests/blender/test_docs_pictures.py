@@ -5,9 +5,14 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import bpy
+import pytest
 from ui_fixtures import ROOT, environment
 
 
+@pytest.mark.skipif(
+    bpy.app.version >= (5, 0, 0), reason="the guide's pictures are those of 4.5 LTS"
+)
 def test_pictures_of_the_guide_are_not_stale():
     command = [sys.executable, str(ROOT / "blend_files" / "docs_pictures.py"), "--check"]
     done = subprocess.run(

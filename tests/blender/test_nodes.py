@@ -214,6 +214,7 @@ def test_eevee_stretches_the_highlight_along_the_wide_axis(tmp_path):
     lobe_probe.build_quad(reach, "x", 1).data.materials.append(material)
     scene = lobe_probe.scene_for(blender_versions.eevee_engine(), (61, 61))
     scene.eevee.taa_render_samples = 32
+    scene.eevee.use_shadows = False  # nothing casts any here, and they take most of the time
     along = lobe_probe.picture(scene, tmp_path)[30, :, 1]
     for vertex_normals in [o for o in bpy.data.objects if o.name.startswith("probe")]:
         bpy.data.objects.remove(vertex_normals)
