@@ -190,9 +190,9 @@ def look_at(
     return Camera(view, projection)
 
 
-def blade_mesh() -> MeshData:
-    """The generated katana in metres, as the add-on hands it to the renderer."""
-    blade = togishi_core.katana(togishi_core.katana_defaults())
+def blade_mesh(**dimensions: object) -> MeshData:
+    """The generated katana in metres, as the add-on hands it to the renderer. dimensions: other than the default ones."""
+    blade = togishi_core.katana({**togishi_core.katana_defaults(), **dimensions})
     counts = np.diff(blade.face_start)
     triangles, faces = [], []
     for offset in (0, 1):
