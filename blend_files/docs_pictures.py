@@ -241,6 +241,7 @@ WINDOW = ROOT / "out" / "window"
 PANELS = (
     ("panel_sidebar", "sidebar_first", 617),
     ("panel_material", "open_material", 640),
+    ("panel_photographs", "sidebar_photographs", 770),
 )
 
 

@@ -14,6 +14,7 @@ parts=("$@")
 [ -f "$zip" ] || fail "$zip: no such file. 'make package' makes the extension's zip."
 
 root=.cache/trixie-root
+packages=blender,python3-numpy,python3-openimageio,libegl1,libgl1,libgl1-mesa-dri
 out=$PWD/out/window
 shots=$out/.shots
 blender_pid="" screen_pid=""
@@ -33,14 +34,15 @@ for program in mmdebstrap:mmdebstrap bwrap:bubblewrap Xvfb:xvfb xwd:x11-apps con
         fail "'${program%%:*}' is missing: install ${program##*:} (apt-window.txt lists all that the window needs), then run again."
 done
 
-if [ ! -d "$root" ]; then
+if [ "$(cat "$root/packages" 2>/dev/null)" != "$packages" ]; then
     say "unpacking Debian trixie with its Blender into $root (once; some 3 minutes, 1.3 GB)"
-    rm -rf "$root.part" && mkdir -p .cache
-    mmdebstrap --variant=minbase --include=blender,python3-numpy,libegl1,libgl1,libgl1-mesa-dri trixie "$root.part" \
+    rm -rf "$root" "$root.part" && mkdir -p .cache
+    mmdebstrap --variant=minbase --include="$packages" trixie "$root.part" \
         >"$work/mmdebstrap.log" 2>&1 || {
         tail -n 20 "$work/mmdebstrap.log" >&2
         fail "Debian trixie could not be unpacked: is the network up? The end of mmdebstrap's log is above."
     }
+    echo "$packages" >"$root.part/packages"
     mv "$root.part" "$root"
 fi
 

@@ -48,6 +48,7 @@ if not IN_BLENDER and "BLENDER_USER_RESOURCES" not in os.environ:
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 import screen  # noqa: E402
+from stack import write_stack  # noqa: E402
 
 WINDOW = not bpy.app.background
 
@@ -549,24 +550,13 @@ def photographs(life: Life) -> None:
         need(not bpy.ops.scene.togishi_photographs.poll(), "photographs without OpenImageIO")
         life.note = "no OpenImageIO in this build"
         return
-    folder = OPTIONS.out / "photographs"
-    folder.mkdir(exist_ok=True)
-    angle, zenith = 2.399963 * np.arange(16), np.radians(np.linspace(8.0, 45.0, 16))
-    lines = ["16"]
-    for index in range(16):
-        signal = 0.8 * np.exp(-np.log(2.0) * (np.degrees(zenith[index]) / 16.0) ** 2)
-        part("core.photographs").write_planes(
-            image_io, folder / f"{index}.exr", ["Y"], np.full((8, 32, 1), signal, np.float32)
-        )
-        x, y = np.sin(zenith[index]) * np.array([np.cos(angle[index]), np.sin(angle[index])])
-        lines.append(f"{index}.exr {x:.9f} {y:.9f} {np.cos(zenith[index]):.9f}")
-    (folder / "stack.lp").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    stack = write_stack(OPTIONS.out / "photographs", image_io, part("core.photographs"))
     with as_user():
-        bpy.ops.scene.togishi_photographs(filepath=str(folder / "stack.lp"))
+        bpy.ops.scene.togishi_photographs(filepath=str(stack))
         bpy.ops.scene.togishi_photographs_run()
     found = bpy.context.scene.togishi_photographs.found
     need("flagged" in found, f"the photographs gave no maps: {found!r}")
-    need((folder / "stack-lights.exr").stat().st_size > 0, "no file of maps")
+    need(stack.with_name("stack-lights.exr").stat().st_size > 0, "no file of maps")
 
 
 @step("edit the blade's dimensions")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import shutil
 import sys
 import traceback
 from pathlib import Path
@@ -20,6 +21,7 @@ import numpy as np
 import screen
 from console import Console, options
 from screen import Steps
+from stack import SHAPE, write_stack
 
 EXTENSION = "bl_ext.user_default.togishi"
 OPTIONS = options()
@@ -33,6 +35,8 @@ def open_panels(tag: str, only: str = "") -> None:
     ui.unregister()
     for module in ui._MODULES:
         for cls in module.CLASSES:
+            if not issubclass(cls, bpy.types.Panel):
+                continue
             closed = {"DEFAULT_CLOSED"} if only not in ("", cls.__name__) else set()
             cls.bl_options = set(getattr(cls, "bl_options", set())) - {"DEFAULT_CLOSED"} | closed
             cls.bl_idname = f"{cls.__name__}_{tag}"
@@ -146,6 +150,55 @@ def measurement(shots: screen.Shots) -> Steps:
         yield from settle(0.5)
     for file in files:
         file.unlink()
+
+
+def landmarks(kept: bpy.types.PropertyGroup) -> None:
+    """Five of them, on the blade and in the photograph, as a far camera that faces omote shows it: the tip on the left."""
+    for place in ("tip", "ha_machi", "mune_machi", "yokote_ridge", "omote_machi_shinogi"):
+        bpy.ops.scene.togishi_landmark_add(place=place)
+    points = np.array([tuple(one.point_mm) for one in kept.landmarks])
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    for index, (x, _y, z) in enumerate(points - middle):
+        kept.active_landmark = index
+        at = (SHAPE[1] / 2 - 0.5 * x, SHAPE[0] / 2 - 0.5 * z)
+        bpy.ops.image.togishi_landmark_mark(pixel=at)
+    bpy.ops.scene.togishi_camera_solve()
+
+
+def photographs(shots: screen.Shots) -> Steps:
+    """A stack is chosen and fitted and its landmarks marked; the panel beside the blade and beside a map."""
+    image_io = importlib.import_module(f"{EXTENSION}.map_files").open_image_io()
+    written = importlib.import_module(f"{EXTENSION}.core.photographs")
+    stack = write_stack(OPTIONS.out / ".photographs", image_io, written)
+    kept = bpy.context.scene.togishi_photographs
+    open_panels("photographs", only="TOGISHI_PT_view_photographs")
+    yield from settle(0.5)
+    yield from shots.region(screen.region_of(view(), "UI"), "sidebar_photographs_first", [], True)
+    with screen.override(view()):
+        bpy.ops.scene.togishi_photographs(filepath=str(stack))
+    yield from screen.until(lambda: bool(kept.plan), 60.0, "what the stack can see")
+    with screen.override(view()):
+        bpy.ops.scene.togishi_photographs_run("INVOKE_DEFAULT")
+    yield from screen.until(lambda: bool(kept.found), 120.0, "the stack's maps")
+    with screen.override(view()):
+        landmarks(kept)
+    for _ in range(4):
+        yield from settle(0.4)
+    yield from shots.region(screen.region_of(view(), "UI"), "sidebar_photographs", [], True)
+    open_panels("again")
+    area = view()
+    area.type = "IMAGE_EDITOR"
+    area.spaces.active.image = kept.mu_image
+    area.spaces.active.show_region_ui = True
+    yield from settle(1.0)
+    screen.region_of(area, "UI").active_panel_category = "Togishi"
+    with screen.override(area):
+        bpy.ops.image.view_all(fit_view=True)
+    yield from settle(1.0)
+    yield from shots.area(area, "photographs_map")
+    area.type = "VIEW_3D"
+    yield from settle(0.7)
+    shutil.rmtree(stack.parent)
 
 
 # Below the upper border of their regions, with all panels open; nothing below them has a tooltip of its own.
@@ -264,6 +317,7 @@ def pictures() -> Steps:
     yield from shots.everything("edit_dialog")
     yield from screen.press("ESC", screen.centre(view()))
     yield from measurement(shots)
+    yield from photographs(shots)
     yield from tooltips(shots)
 
     # Preferences, in the place of the view.
