@@ -16,6 +16,46 @@ constexpr std::size_t packed(int i, int j) {
     return static_cast<std::size_t>(at);
 }
 
+using SharedSlope = std::array<double, shared_unknowns>;
+
+double variance(const SharedError& shared, const SharedSlope& slope) {
+    double sum = 0;
+    for (std::size_t a = 0; a < slope.size(); ++a)
+        for (std::size_t b = 0; b < slope.size(); ++b)
+            sum += slope[a] * slope[b] * shared.covariance[a * slope.size() + b];
+    return std::max(0.0, sum);
+}
+
+// What a pixel inherits of the lights' common error: variances.
+struct Inherited {
+    double normal_deg2 = 0;  // of both components
+    double ln_mu_t = 0, ln_mu_b = 0, rho_rad2 = 0;
+};
+
+// A map 1 + L of the half vectors makes of the ellipse S = mu_t^2 tt' + mu_b^2 bb' the ellipse
+// S + LS + SL'. Its axes grow by L_tt and L_bb, and turn by (mu_b^2 L_tb + mu_t^2 L_bt)/(mu_t^2 -
+// mu_b^2): a rotation by itself, a shear by coth(2r) times itself.
+Inherited inherited(const SharedError& shared, const glm::dvec3& normal, double cos_2rho,
+                    double sin_2rho, double shape) {
+    Inherited v;
+    if (!(shared.covariance[0] > 0)) return v;
+    const double z = glm::dot(normal, shared.normal);
+    const double x = glm::dot(normal, shared.tangent), y = glm::dot(normal, shared.bitangent);
+    const double length = std::hypot(x, y);
+    const double deg = length > 0 ? std::atan2(length, z) / (length * rad_per_deg) : 0;
+    v.normal_deg2 = variance(shared, {1, 0, x * deg, y * deg, 0, 0}) +
+                    variance(shared, {0, 1, 0, 0, x * deg, y * deg});
+    // cos^2, sin^2 and their product.
+    const double cc = 0.5 * (1 + cos_2rho), ss = 0.5 * (1 - cos_2rho), cs = 0.5 * sin_2rho;
+    v.ln_mu_t = variance(shared, {0, 0, cc, cs, cs, ss});
+    v.ln_mu_b = variance(shared, {0, 0, ss, -cs, -cs, cc});
+    const double k = std::exp(4 * std::max(shape, 1e-3));  // mu_t^2/mu_b^2
+    const double tb = 1 / (k - 1), bt = k * tb;
+    v.rho_rad2 = variance(
+        shared, {0, 0, -cs * (tb + bt), tb * cc - bt * ss, bt * cc - tb * ss, cs * (tb + bt)});
+    return v;
+}
+
 }  // namespace
 
 PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const RegionLights& region,
@@ -65,17 +105,14 @@ PixelResult pixel_result(const PixelBlock& block, std::size_t lane, const Region
     const auto root = [](double v) { return static_cast<float>(std::sqrt(std::max(v, 0.0))); };
     // What the fit cannot explain widens what it claims.
     const double widen = std::max(1.0, double{r.chi2_reduced});
-    const double stretch2 = shared.stretch * shared.stretch;
-    r.sigma_ln_mu_t = root(widen * (cov(2, 2) + rr + 2 * sr) + stretch2);
-    r.sigma_ln_mu_b = root(widen * (cov(2, 2) + rr - 2 * sr) + stretch2);
+    const Inherited common = inherited(shared, normal, c, s, shape);
+    r.sigma_ln_mu_t = root(widen * (cov(2, 2) + rr + 2 * sr) + common.ln_mu_t);
+    r.sigma_ln_mu_b = root(widen * (cov(2, 2) + rr - 2 * sr) + common.ln_mu_b);
     r.sigma_ln_mu = std::max(r.sigma_ln_mu_t, r.sigma_ln_mu_b);
-    // A shear turns an ellipse's axes by coth(2r) times itself, a rotation by itself.
-    const double grown = std::exp(4 * std::max(shape, 1e-3)), coth = (grown + 1) / (grown - 1);
-    const double turn_variance = 0.25 * widen * std::max(tt, 0.0) / std::max(shape * shape, 1e-12) +
-                                 0.5 * shared.shear * shared.shear * (1 + coth * coth);
+    const double turn_variance =
+        0.25 * widen * std::max(tt, 0.0) / std::max(shape * shape, 1e-12) + common.rho_rad2;
     r.sigma_rho_deg = static_cast<float>(std::min(90.0, std::sqrt(turn_variance) / rad_per_deg));
-    r.sigma_normal_deg =
-        root(widen * (cov(0, 0) + cov(1, 1)) + 2 * shared.turn_deg * shared.turn_deg);
+    r.sigma_normal_deg = root(widen * (cov(0, 0) + cov(1, 1)) + common.normal_deg2);
     r.sigma_ln_weight = root(widen * cov(5, 5));
 
     constexpr float most_sigma = 0.15F, most_chi2 = 9, least_samples = 6, most_rejected = 0.15F;

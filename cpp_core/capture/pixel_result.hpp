@@ -38,12 +38,15 @@ struct PixelResult {
     int flags;
 };
 
-/// What all pixels of a stack share and none can see for itself, per axis: after self-calibration
-/// the pixels leave a common turn of the half vectors and a common stretch of their field open.
+inline constexpr int shared_unknowns = 6;
+
+/// What all pixels of a stack share and none can see for itself: after self-calibration the half
+/// vectors h = (u, v) about `normal` may still be off by shift + L h, which every pixel's tilt and
+/// shape take up without a residual.
 struct SharedError {
-    double turn_deg = 0;
-    double stretch = 0;  ///< relative, of a half width
-    double shear = 0;    ///< relative, what turns a lobe's axes
+    glm::dvec3 normal{0, 0, 1}, tangent{1, 0, 0}, bitangent{0, 1, 0};
+    /// Of (shift_u, shift_v in degrees, L_uu, L_uv, L_vu, L_vv), row by row.
+    std::array<double, shared_unknowns * shared_unknowns> covariance{};
 };
 
 /// Lane `lane` of a fitted block, fitted about `region`. unknowns: of the fit, 7 to 9.

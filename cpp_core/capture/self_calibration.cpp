@@ -1,7 +1,6 @@
 #include "capture/self_calibration.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -25,7 +24,6 @@ struct Eliminated {
     std::vector<int> lit;  // lights whose half vector the pixel feels
     Matrix of_unknowns;    // (lit, unknowns): slopes
     Matrix explained;      // (lit, unknowns): slopes times covariance
-    Matrix covariance;     // of the pixel's unknowns
     Vector residual;       // (lit), without what the unknowns explain
     bool usable = false;
 };
@@ -49,9 +47,9 @@ Eliminated eliminate(const std::vector<float>& residual, const std::vector<float
     Matrix normal = j.transpose() * j;
     // A share that the pixel does not see at all would leave the matrix singular.
     for (int a = 0; a < unknowns; ++a) normal(a, a) += 1e-9 * (1 + normal(a, a));
-    e.covariance = normal.llt().solve(Matrix::Identity(unknowns, unknowns));
-    if (!e.covariance.allFinite()) return e;
-    const Vector left = r - j * (e.covariance * (j.transpose() * r));
+    const Matrix covariance = normal.llt().solve(Matrix::Identity(unknowns, unknowns));
+    if (!covariance.allFinite()) return e;
+    const Vector left = r - j * (covariance * (j.transpose() * r));
     constexpr double felt = 1e-3;
     for (std::size_t i = 0; i < count; ++i) {
         const auto row = static_cast<Eigen::Index>(i);
@@ -64,7 +62,7 @@ Eliminated eliminate(const std::vector<float>& residual, const std::vector<float
         e.of_unknowns.row(static_cast<Eigen::Index>(k)) = j.row(e.lit[k]);
         e.residual(static_cast<Eigen::Index>(k)) = left(e.lit[k]);
     }
-    e.explained = e.of_unknowns * e.covariance;
+    e.explained = e.of_unknowns * covariance;
     e.usable = true;
     return e;
 }
@@ -91,37 +89,48 @@ void add(const Eliminated& e, Matrix& a, Vector& g) {
     }
 }
 
-// How far a pixel's tilt, widths and axes move with the lights' remaining error: variances.
-struct Moved {
-    double turn2 = 0, stretch2 = 0, shear2 = 0;
+// The lights' remaining error in two parts. A common map of the half vectors, h -> h + shift + L h,
+// changes no residual: each pixel's tilt and shape take it up, whatever its lobe. So the prior
+// alone holds it, and every pixel inherits it. What is left differs from light to light like noise.
+struct Remaining {
+    double independent_deg = 0;  // per axis
+    SharedError shared;
 };
 
-// `independent`: variance that the pixels' own weights already count.
-Moved moved(const Eliminated& e, double e1, double e2, const Matrix& light_covariance,
-            double independent) {
-    const auto n = static_cast<Eigen::Index>(e.lit.size());
-    // dx/dlight = covariance J' (slope over the light), with the sign of the normal equations.
-    Matrix by_light(e.covariance.rows(), 2 * n), own(2 * n, 2 * n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-        by_light.col(2 * k) = e.explained.row(k).transpose() * e.of_unknowns(k, tilt_u);
-        by_light.col(2 * k + 1) = e.explained.row(k).transpose() * e.of_unknowns(k, tilt_v);
-        for (Eigen::Index m = 0; m < n; ++m) {
-            own.block(2 * k, 2 * m, 2, 2) =
-                light_covariance.block(2 * e.lit[static_cast<std::size_t>(k)],
-                                       2 * e.lit[static_cast<std::size_t>(m)], 2, 2);
+// covariance: of the lights' offsets; normal: its inverse, in which `prior` is what was known
+// before. Lights that no pixel feels have the prior's error and nobody inherits it: they do not
+// count.
+Remaining remaining(const RegionLights& lights, const Matrix& normal, const Matrix& covariance,
+                    double prior) {
+    const auto size = normal.rows();
+    Matrix map = Matrix::Zero(size, shared_unknowns);
+    Vector told(size);
+    for (Eigen::Index at = 0; at < size; at += 2) {
+        const auto i = static_cast<std::size_t>(at / 2);
+        told(at) = 1 - prior / normal(at, at);
+        told(at + 1) = 1 - prior / normal(at + 1, at + 1);
+        for (int axis = 0; axis < 2; ++axis) {
+            map(at + axis, axis) = 1;
+            map(at + axis, 2 + 2 * axis) = lights.u_deg[i];
+            map(at + axis, 3 + 2 * axis) = lights.v_deg[i];
         }
     }
-    own.diagonal().array() -= independent;
-    const Matrix x = by_light * own * by_light.transpose();
-    const double r = std::max(std::hypot(e1, e2), 1e-3), c = e1 / r, sn = e2 / r;
-    const double along = c * c * x(shape_e1, shape_e1) + 2 * c * sn * x(shape_e1, shape_e2) +
-                         sn * sn * x(shape_e2, shape_e2);
-    const double across = sn * sn * x(shape_e1, shape_e1) - 2 * c * sn * x(shape_e1, shape_e2) +
-                          c * c * x(shape_e2, shape_e2);
-    // What rotation and shear of this size together do: see pixel_result.cpp.
-    const double coth = 1 / std::tanh(2 * r);
-    return {0.5 * (x(tilt_u, tilt_u) + x(tilt_v, tilt_v)), x(ln_mu_deg, ln_mu_deg) + along,
-            across / (2 * r * r * (1 + coth * coth))};
+    Remaining found;
+    found.independent_deg = 1 / std::sqrt(prior);
+    const double all = told.sum();
+    const auto factor = Matrix(map.transpose() * told.asDiagonal() * map).llt();
+    if (!(all > 1) || factor.info() != Eigen::Success) return found;
+    const Matrix fitted = factor.solve(map.transpose() * told.asDiagonal());
+    const Matrix common = fitted * covariance * fitted.transpose();
+    const Matrix rest = Matrix::Identity(size, size) - map * fitted;
+    const Matrix left = rest * covariance * rest.transpose();
+    if (!common.allFinite() || !left.allFinite()) return found;
+    found.independent_deg = std::sqrt(std::max(0.0, left.diagonal().dot(told) / all));
+    Eigen::Map<Matrix>(found.shared.covariance.data(), shared_unknowns, shared_unknowns) = common;
+    found.shared.normal = lights.normal;
+    found.shared.tangent = lights.tangent;
+    found.shared.bitangent = lights.bitangent;
+    return found;
 }
 
 }  // namespace
@@ -139,16 +148,11 @@ Calibration self_calibrate(RegionLights& lights, const SampleBlocks& samples,
     found.offset_deg.assign(count, glm::dvec2(0));
     found.sigma_h_deg = sigma;
     const std::vector<float> u0 = lights.u_deg, v0 = lights.v_deg;
-    Matrix covariance = Matrix::Identity(size, size) * sigma * sigma;
-    // The last round moves nothing: it asks what the lights' remaining error does to the pixels.
-    for (int round = 0; round <= rounds; ++round) {
-        const bool last = round == rounds;
-        const double sigma_left = found.sigma_h_deg;
+    for (int round = 0; round < rounds; ++round) {
         const PixelLights view = lights.view();
-        std::vector<Matrix> a(parts, Matrix::Zero(last ? 0 : size, last ? 0 : size));
+        std::vector<Matrix> a(parts, Matrix::Zero(size, size));
         std::vector<Vector> g(parts, Vector::Zero(size));
         std::vector<std::size_t> good(parts, 0);
-        std::vector<Moved> sum(parts);
         parallel_for(
             parts, 1,
             [&](std::size_t part, std::size_t) {
@@ -168,51 +172,27 @@ Calibration self_calibrate(RegionLights& lights, const SampleBlocks& samples,
                         const Eliminated e = eliminate(residual, by_unknown, count, unknowns, lane);
                         if (!e.usable) continue;
                         ++good[part];
-                        if (last) {
-                            const Moved m = moved(e, double{block.x[shape_e1][lane]},
-                                                  double{block.x[shape_e2][lane]}, covariance,
-                                                  sigma_left * sigma_left);
-                            sum[part].turn2 += m.turn2;
-                            sum[part].stretch2 += m.stretch2;
-                            sum[part].shear2 += m.shear2;
-                        } else {
-                            add(e, a[part], g[part]);
-                        }
+                        add(e, a[part], g[part]);
                     }
                 }
             },
             threads);
         found.pixels = 0;
         for (const std::size_t n : good) found.pixels += n;
-        if (last) {
-            Moved all;
-            for (const Moved& m : sum) {
-                all.turn2 += m.turn2;
-                all.stretch2 += m.stretch2;
-                all.shear2 += m.shear2;
-            }
-            const auto n = static_cast<double>(std::max<std::size_t>(1, found.pixels));
-            found.shared = {std::sqrt(std::max(0.0, all.turn2 / n)),
-                            std::sqrt(std::max(0.0, all.stretch2 / n)),
-                            std::sqrt(std::max(0.0, all.shear2 / n))};
-            break;
-        }
         Matrix normal = Matrix::Identity(size, size) * prior;
         Vector gradient = Vector::Zero(size);
         for (std::size_t part = 0; part < parts; ++part) {
             normal += a[part];
             gradient += g[part];
         }
-        double independent = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const auto at = static_cast<Eigen::Index>(2 * i);
             gradient(at) += prior * found.offset_deg[i].x;
             gradient(at + 1) += prior * found.offset_deg[i].y;
-            independent += 0.5 / normal(at, at) + 0.5 / normal(at + 1, at + 1);
         }
         const auto factor = normal.llt();
         const Vector step = -factor.solve(gradient);
-        covariance = factor.solve(Matrix::Identity(size, size));
+        const Matrix covariance = factor.solve(Matrix::Identity(size, size));
         found.rms_deg = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const auto at = static_cast<Eigen::Index>(2 * i);
@@ -225,12 +205,12 @@ Calibration self_calibrate(RegionLights& lights, const SampleBlocks& samples,
             lights.v_deg[i] = static_cast<float>(v0[i] + found.offset_deg[i].y);
         }
         found.rms_deg = std::sqrt(found.rms_deg / static_cast<double>(count));
-        // What one light's error is apart from its neighbours': for the weights, with a floor for
-        // what two numbers per light cannot say. Half the way first: the pixels were fitted to
-        // lights that still stood wrong.
-        constexpr double floor_share = 0.1;
-        const double left = std::clamp(std::sqrt(independent / static_cast<double>(count)),
-                                       floor_share * sigma, sigma);
+        const Remaining still = remaining(lights, normal, covariance, prior);
+        found.shared = still.shared;
+        // With a floor, so that no weight is without limit. Half the way first: the pixels were
+        // fitted to lights that still stood wrong.
+        constexpr double floor_share = 0.02;
+        const double left = std::clamp(still.independent_deg, floor_share * sigma, sigma);
         o.sigma_h_deg = static_cast<float>(round == 0 ? 0.5 * (left + sigma) : left);
         found.sigma_h_deg = left;
         found.rounds = round + 1;

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
 #include "base/error.hpp"
 #include "brdf/model.hpp"
 #include "capture/light_stack.hpp"
@@ -335,6 +338,50 @@ TEST(PixelResult, TheLobeTurnsWithTheNormal) {
     EXPECT_GT(std::abs(turn), 0.005);
 }
 
+// A common map of the half vectors makes another ellipse of the lobe: its axes and their turn.
+TEST(PixelResult, InheritsWhatTheLightsHaveInCommon) {
+    Scene scene;
+    const RegionLights region = region_of(scene);
+    RandomNormal random(4);
+    for (int trial = 0; trial < 20; ++trial) {
+        PixelBlock b{};
+        const double shape = 0.1 + 0.9 * random.uniform(), rho = 3 * random.uniform();
+        b.x[tilt_u][0] = 3;
+        b.x[tilt_v][0] = -2;
+        b.x[shape_e1][0] = static_cast<float>(shape * std::cos(2 * rho));
+        b.x[shape_e2][0] = static_cast<float>(shape * std::sin(2 * rho));
+        b.used[0] = 60;
+        constexpr double size = 1e-4;
+        std::array<double, shared_unknowns> x{};
+        for (double& v : x) v = size * random.normal();
+        SharedError shared;
+        shared.normal = region.normal;
+        shared.tangent = region.tangent;
+        shared.bitangent = region.bitangent;
+        for (std::size_t i = 0; i < x.size(); ++i)
+            for (std::size_t j = 0; j < x.size(); ++j)
+                shared.covariance[i * x.size() + j] = x[i] * x[j];
+        const PixelResult r = pixel_result(b, 0, region, exact_lights(), shared);
+        // Columns: glm's way.
+        const glm::dmat2 turn(std::cos(rho), std::sin(rho), -std::sin(rho), std::cos(rho));
+        const glm::dmat2 map(1 + x[2], x[4], x[3], 1 + x[5]);
+        const glm::dmat2 axes(std::exp(2 * shape), 0, 0, std::exp(-2 * shape));
+        const glm::dmat2 moved = map * turn * axes * glm::transpose(map * turn);
+        const double mean = 0.5 * (moved[0].x + moved[1].y), half = 0.5 * (moved[0].x - moved[1].y),
+                     apart = std::hypot(half, moved[0].y);
+        const auto near = [](double claimed, double true_change) {
+            EXPECT_NEAR(claimed, std::abs(true_change), 0.01 * size + 0.01 * std::abs(true_change));
+        };
+        near(r.sigma_ln_mu_t, 0.5 * std::log((mean + apart) / axes[0].x));
+        near(r.sigma_ln_mu_b, 0.5 * std::log((mean - apart) / axes[1].y));
+        near(r.sigma_rho_deg * rad,
+             0.5 * std::remainder(std::atan2(moved[0].y, half) - 2 * rho, 360 * rad));
+        near(r.sigma_normal_deg,
+             std::hypot(x[0] + 3 * x[2] - 2 * x[3], x[1] + 3 * x[4] - 2 * x[5]));
+        EXPECT_EQ(pixel_result(b, 0, region, exact_lights()).sigma_normal_deg, 0);
+    }
+}
+
 TEST(SelfCalibration, FindsWhereTheLightsStood) {
     const Scene truth_scene(40, 12);
     Scene known = truth_scene;
@@ -368,6 +415,29 @@ TEST(SelfCalibration, FindsWhereTheLightsStood) {
     }
     EXPECT_LT(after, 0.15 * before);
     EXPECT_GT(found.pixels, 500U);
+    // What is left: a common map, within what is claimed of it, and no more than is claimed beside.
+    const auto size = static_cast<Eigen::Index>(2 * lights.u_deg.size());
+    Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, shared_unknowns);
+    Eigen::VectorXd left(size);
+    for (Eigen::Index i = 0; i < size / 2; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        left(2 * i) = double{lights.u_deg[k]} - truth_scene.u[k];
+        left(2 * i + 1) = double{lights.v_deg[k]} - truth_scene.v[k];
+        for (Eigen::Index axis = 0; axis < 2; ++axis) {
+            map(2 * i + axis, axis) = 1;
+            map(2 * i + axis, 2 + 2 * axis) = truth_scene.u[k];
+            map(2 * i + axis, 3 + 2 * axis) = truth_scene.v[k];
+        }
+    }
+    const Eigen::VectorXd common = (map.transpose() * map).llt().solve(map.transpose() * left);
+    const Eigen::MatrixXd claimed =
+        Eigen::Map<const Eigen::MatrixXd>(found.shared.covariance.data(), 6, 6);
+    const double chi2 = common.dot(claimed.llt().solve(common));
+    EXPECT_LT(chi2, 22.5) << "0.1 % of 6 degrees of freedom";
+    EXPECT_GT(chi2, 0.38);
+    const double rest = (left - map * common).norm() / std::sqrt(double(size - shared_unknowns));
+    EXPECT_LT(rest, 1.5 * found.sigma_h_deg);
+    EXPECT_GT(rest, 0.5 * found.sigma_h_deg);
     RegionLights again = region_of(known);
     const Calibration threaded = self_calibrate(again, samples, o, 5, 3);
     EXPECT_EQ(again.u_deg, lights.u_deg) << "the same bits for any number of threads";
