@@ -34,6 +34,14 @@ struct TgArea {
                  // sphere: radius, 1 where its falloff is soft; spot: the same, blend, cosine of half the cone; sun: half angle
 };
 
+// An HDRI (core/surroundings.py, atlas_of).
+struct TgEnvironment {
+    vec4 to_picture[3]; // rows of view space to the picture's own space
+    vec4 atlas;         // 1/width, 1/height, number of levels, width of a texel of level 0 in rad
+    vec4 matt;          // x, y, width, height in texels: what a white matt surface of each normal shines with
+    vec4 level[TG_ENVIRONMENT_LEVELS]; // x, y, width, height in texels, without the border of one
+};
+
 struct TgLights {
     TgLight light[TG_LIGHT_CAPACITY];
 };

@@ -38,6 +38,10 @@ vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
     }
     return area.colour.xyz * light_rgb(int(area.colour.w)) * sum;
 }
+
+#ifdef TG_ENVIRONMENT
+#include "viewport/environment.glsl"
+#endif
 #endif
 
 #define TG_REACHED(towards) (dot(normal, towards.direction) > TG_MIN_COS ? 1 : 0)
@@ -64,6 +68,13 @@ void main() {
     int area_count = q.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
     for (int i = 0; i < area_count; ++i) {
         sum += reflect_area(areas.area[i], area_seen(areas.area[i], place), q);
+    }
+#endif
+#ifdef TG_ENVIRONMENT
+    if (q.n_dot_v > TG_MIN_COS) {
+        vec3 matt = plain.albedo.xyz * (1.0 - plain.gloss.y) * environment_matt(normal);
+        sum += frame.world.xyz * light_rgb(int(frame.world.w)) *
+               (matt + environment_reflection(q) * lobe_normalised_weight(form));
     }
 #endif
 #ifdef TG_WORLD

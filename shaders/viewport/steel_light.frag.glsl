@@ -3,6 +3,7 @@
 //   TG_HADORI     the map has hadori                              TG_SHAPE, TG_ANISOTROPIC  as named
 //   TG_POINTS, TG_SPOTS, TG_SUNS, TG_WORLD                        what the scene has
 //   TG_RECTANGLES, TG_ROUNDS, TG_FINE                             lamps of a size (areas.glsl)
+//   TG_ENVIRONMENT                                                an HDRI (environment.glsl)
 //   TG_MANY       other steels are in the picture
 //   TG_FILTERED   highlights are the mean over the pixel's facets, not the value at its centre
 #include "shared/model.glsl"
@@ -153,71 +154,109 @@ vec3 node_colour(LightNode node, AreaLobe q) {
     return table_rgb(q.row, q.at_theta_i ? node.n_dot_l : node.v_dot_h) * shadowed_node(node, q);
 }
 
+#ifdef TG_ONE_LOBE
+#define TG_LOBES 1
+#elif defined(TG_HADORI)
+#define TG_LOBES 3
+#else
+#define TG_LOBES 2
+#endif
+
+// Lobe 0, 1 or 2 of the pixel (ji, ha, hadori) for light of this row.
+struct SteelLobe {
+    AreaLobe lobe;
+    float share;      // of the pixel
+    float own_weight; // negative: normalised
+};
+
+SteelLobe steel_lobe(int number, int row, Steel s) {
+    SteelLobe l;
+    l.lobe.axes = s.axes;
+    l.lobe.view = s.view;
+    l.lobe.n_dot_v = s.n_dot_v;
+    l.lobe.row = row;
+    l.lobe.form = s.ji;
+    l.lobe.at_theta_i = number == 0;
+    l.own_weight = s.chi;
+    l.share = 1.0;
+#ifdef TG_ONE_LOBE
+    l.lobe.at_theta_i = s.w <= 0.5;
+#else
+    float w = sanitise_share(s.w);
+    float h = sanitise_share(s.h);
+    l.share = (1.0 - w) * (1.0 - h);
+    if (number == 1) {
+        l.lobe.form = s.ha;
+        l.own_weight = s.beta_ha;
+        l.share = w;
+    }
+#ifdef TG_HADORI
+    if (number == 2) {
+        l.lobe.form = s.hadori;
+        l.own_weight = s.beta_hadori;
+        l.share = (1.0 - w) * h;
+    }
+#endif
+#endif
+    l.lobe.shadowed = !l.lobe.at_theta_i || l.own_weight < 0.0;
+    return l;
+}
+
 #ifdef TG_FILTERED
-// The lobe widened by the pixel's facets, for light from the mirror direction or, where the lamp is elsewhere, from its middle.
-LobeForm area_lobe(LobeForm form, AreaSeen seen, Steel s) {
-    vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
-    vec3 light = dot(mirror, seen.axis) > cos(min(seen.bound_rad, TG_PI)) ? mirror : seen.axis;
-    Facet right = facet_turn(s.axes, s.view, light, seen.nearness, s.right);
-    Facet up = facet_turn(s.axes, s.view, light, seen.nearness, s.up);
-    return lobe_form_widened(form, right, up, 0.25);
+// The lobe widened by the pixel's facets, for light from this direction.
+SteelLobe widened(SteelLobe own, vec3 light, float nearness, Steel s) {
+    SteelLobe l = own;
+    Facet right = facet_turn(s.axes, s.view, light, nearness, s.right);
+    Facet up = facet_turn(s.axes, s.view, light, nearness, s.up);
+    l.lobe.form = lobe_form_widened(own.lobe.form, right, up, 0.25);
+    l.own_weight *= l.lobe.form.scale / own.lobe.form.scale;
+    return l;
 }
 #endif
 
-// What the pixel reflects of a lamp of a size: ji, ha and hadori one after the other.
+float weight_of(SteelLobe l) {
+    return l.share * (l.own_weight < 0.0 ? lobe_normalised_weight(l.lobe.form) : l.own_weight);
+}
+
+// What the pixel reflects of a lamp of a size.
 vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
     vec3 sum = vec3(0.0);
-    AreaLobe q;
-    q.axes = s.axes;
-    q.view = s.view;
-    q.n_dot_v = s.n_dot_v;
-    q.row = int(area.colour.w);
-#ifdef TG_ONE_LOBE
-    int lobes = 1;
-#elif defined(TG_HADORI)
-    int lobes = 3;
-#else
-    int lobes = 2;
-#endif
-    for (int lobe = 0; lobe < lobes; ++lobe) {
-        float own_weight = s.chi;
-        float share = 1.0;
-        q.form = s.ji;
-        q.at_theta_i = lobe == 0;
-#ifdef TG_ONE_LOBE
-        q.at_theta_i = s.w <= 0.5;
-#else
-        float w = sanitise_share(s.w);
-        float h = sanitise_share(s.h);
-        share = (1.0 - w) * (1.0 - h);
-        if (lobe == 1) {
-            q.form = s.ha;
-            own_weight = s.beta_ha;
-            share = w;
-        }
-#ifdef TG_HADORI
-        if (lobe == 2) {
-            q.form = s.hadori;
-            own_weight = s.beta_hadori;
-            share = (1.0 - w) * h;
-        }
-#endif
-#endif
+    for (int number = 0; number < TG_LOBES; ++number) {
+        SteelLobe l = steel_lobe(number, int(area.colour.w), s);
 #ifdef TG_FILTERED
-        LobeForm own = q.form;
-        q.form = area_lobe(own, seen, s);
-        own_weight *= q.form.scale / own.scale;
+        // From the mirror direction or, where the lamp is elsewhere, from its middle.
+        vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
+        bool mirrored = dot(mirror, seen.axis) > cos(min(seen.bound_rad, TG_PI));
+        l = widened(l, mirrored ? mirror : seen.axis, seen.nearness, s);
 #endif
-        q.widest = max(least(q.form), 1.0e-6);
-        q.shadowed = !q.at_theta_i || own_weight < 0.0;
-        int times = share > 0.0 && area_reached(seen, q) ? 1 : 0;
+        l.lobe.widest = max(least(l.lobe.form), 1.0e-6);
+        int times = l.share > 0.0 && area_reached(seen, l.lobe) ? 1 : 0;
         for (int once = 0; once < times; ++once) {
-            float weight = share * (own_weight < 0.0 ? lobe_normalised_weight(q.form) : own_weight);
-            sum += area_reflection(area, seen, q) * weight;
+            sum += area_reflection(area, seen, l.lobe) * weight_of(l);
         }
     }
     return area.colour.xyz * sum;
 }
+
+#ifdef TG_ENVIRONMENT
+#include "viewport/environment.glsl"
+
+vec3 reflect_environment(Steel s) {
+    vec3 sum = vec3(0.0);
+    for (int number = 0; number < TG_LOBES; ++number) {
+        SteelLobe l = steel_lobe(number, int(frame.world.w), s);
+#ifdef TG_FILTERED
+        l = widened(l, s.axes.normal * (2.0 * s.n_dot_v) - s.view, 0.0, s);
+#endif
+        l.lobe.widest = 1.0;
+        int times = l.share > 0.0 ? 1 : 0;
+        for (int once = 0; once < times; ++once) {
+            sum += environment_reflection(l.lobe) * weight_of(l);
+        }
+    }
+    return frame.world.xyz * sum;
+}
+#endif
 #endif
 
 #define TG_REACHED(towards) reached(towards, s)
@@ -269,6 +308,11 @@ void main() {
     int area_count = s.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
     for (int i = 0; i < area_count; ++i) {
         sum += reflect_area(areas.area[i], area_seen(areas.area[i], place), s);
+    }
+#endif
+#ifdef TG_ENVIRONMENT
+    if (s.n_dot_v > TG_MIN_COS) {
+        sum += reflect_environment(s);
     }
 #endif
 #ifdef TG_WORLD

@@ -377,11 +377,52 @@ def test_world_colour_strength_and_texture_note(scene):
     bpy.context.view_layer.update()
     _sync, data = sync_of()
     np.testing.assert_allclose(data.world.radiance, (0.2, 0.4, 0.6), rtol=1e-6)
+    sky = world.node_tree.nodes.new("ShaderNodeTexSky")
+    world.node_tree.links.new(sky.outputs[0], background.inputs["Color"])
+    bpy.context.view_layer.update()
+    sync, data = sync_of()
+    assert any("no Environment Texture" in message for message in sync.messages)
+    np.testing.assert_allclose(data.world.radiance, (0.2, 0.4, 0.6), rtol=1e-6)
     texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
     world.node_tree.links.new(texture.outputs[0], background.inputs["Color"])
     bpy.context.view_layer.update()
     sync, _data = sync_of()
-    assert any("texture" in message for message in sync.messages)
+    assert any("has no image" in message for message in sync.messages)
+
+
+def test_world_hdri(scene):
+    """Content, strength, rotation; read again only when the image has changed."""
+    world = bpy.data.worlds.new("room")
+    scene.world = world
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    background = next(n for n in nodes if n.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = 2.0
+    image = bpy.data.images.new("hdri", 16, 8, float_buffer=True)
+    pixels = np.full((8, 16, 4), 0.5, np.float32)
+    pixels[5, 3, :3] = (1.0, 0.5, 0.25)
+    image.pixels.foreach_set(pixels.ravel())
+    texture, mapping = (nodes.new(f"ShaderNode{name}") for name in ("TexEnvironment", "Mapping"))
+    texture.image = image
+    mapping.inputs["Rotation"].default_value = (0.0, 0.0, math.radians(90.0))
+    links.new(texture.outputs[0], background.inputs["Color"])
+    links.new(mapping.outputs[0], texture.inputs["Vector"])
+    bpy.context.view_layer.update()
+    sync, data = sync_of()
+    assert not sync.messages
+    np.testing.assert_allclose(data.world.radiance, (2.0, 2.0, 2.0))
+    np.testing.assert_allclose(data.world.environment.pixels, pixels[..., :3], rtol=1e-3)
+    np.testing.assert_allclose(data.world.turn, ((0, -1, 0), (1, 0, 0), (0, 0, 1)), atol=1e-6)
+    background.inputs["Strength"].default_value = 3.0
+    bpy.context.view_layer.update()
+    again = sync.update(bpy.context.evaluated_depsgraph_get())
+    assert again.world.environment is data.world.environment
+    np.testing.assert_allclose(again.world.radiance, (3.0, 3.0, 3.0))
+    mapping.inputs["Scale"].default_value = (2.0, 1.0, 1.0)
+    bpy.context.view_layer.update()
+    sync, data = sync_of()
+    assert data.world.environment is None
+    assert any("may only rotate" in message for message in sync.messages)
 
 
 def test_plain_materials(scene):

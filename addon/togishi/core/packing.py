@@ -28,12 +28,14 @@ from .scene_data import (
 )
 from .shader_source import (
     AREA_CAPACITY,
+    ENVIRONMENT_LEVELS,
     LIGHT_CAPACITY,
     MAX_LEVELS,
     TABLE_ROWS,
     TABLE_SIZE,
     LightVariant,
 )
+from .surroundings import IRRADIANCE_SIZE, Atlas
 from .tangents import turned_with_mesh, uv_tangents
 
 I32 = NDArray[np.int32]
@@ -158,12 +160,13 @@ _ORDER = {LightKind.POINT: 0, LightKind.SPOT: 1, LightKind.SUN: 2}
 
 
 def light_passes(lights: Sequence[Light], world: World) -> list[LightPass]:
-    """All lamps that give light, in as few passes as the blocks' sizes allow; at least one pass.
+    """All lamps that give light, in as few passes as the blocks' sizes allow; at least one pass. An HDRI's bright spots
+    are lamps too.
 
     The world's spectrum has a row in the first pass where the world is not black.
     """
     ordered = sorted(
-        (light for light in lights if not light.dark),
+        (light for light in (*lights, *spot_lights(world)) if not light.dark),
         key=lambda x: (x.sized, 0 if x.sized else _ORDER[x.kind]),
     )
     passes: list[LightPass] = []
@@ -197,6 +200,40 @@ def light_passes(lights: Sequence[Light], world: World) -> list[LightPass]:
     return passes
 
 
+def spot_lights(world: World) -> list[Light]:
+    """Suns in place of an HDRI's bright spots."""
+    if world.environment is None or world.black:
+        return []
+    from_picture = np.asarray(world.turn, np.float64).T
+    lights = []
+    for spot in world.environment.spots:
+        irradiance = np.asarray(spot.irradiance) * np.asarray(world.radiance)
+        power = float(irradiance.max())
+        if power > 0.0:
+            lights.append(
+                Light(
+                    LightKind.SUN,
+                    to_light=tuple((from_picture @ np.asarray(spot.direction)).tolist()),
+                    power=power,
+                    colour=tuple((irradiance / power).tolist()),
+                    spectrum=world.spectrum,
+                    half_angle_rad=spot.half_angle_rad,
+                )
+            )
+    return lights
+
+
+def environment_block(world: World, atlas: Atlas, camera: ViewSpace) -> F32:
+    """TgEnvironment."""
+    block = np.zeros((5 + ENVIRONMENT_LEVELS, 4), np.float32)
+    block[0:3, :3] = np.asarray(world.turn, np.float64) @ camera.view[:3, :3].T
+    block[3] = (1.0 / atlas.width, 1.0 / atlas.height, len(atlas.levels), atlas.texel_rad)
+    block[4] = (*atlas.irradiance, *IRRADIANCE_SIZE)
+    for i, level in enumerate(atlas.levels):
+        block[5 + i] = (level.x, level.y, level.width, level.height)
+    return block
+
+
 def light_variant(passes: Sequence[LightPass], world: World, *, fine: bool = True) -> LightVariant:
     """One variant for all passes: passes must rasterise alike. fine: for lamps of a size, the picture at rest."""
     kinds = {light.kind for p in passes for light in p.areas}
@@ -205,7 +242,8 @@ def light_variant(passes: Sequence[LightPass], world: World, *, fine: bool = Tru
         points=any(p.counts.points for p in passes),
         spots=any(p.counts.spots for p in passes),
         suns=any(p.counts.suns for p in passes),
-        world=not world.black,
+        world=not world.black and world.environment is None,
+        environment=not world.black and world.environment is not None,
         rectangles=LightKind.RECTANGLE in kinds,
         rounds=rounds,
         # Rectangles gain nothing by it (docs/light.md).

@@ -155,11 +155,36 @@ class Light:
 
 
 @dataclass(frozen=True)
+class BrightSpot:
+    """A small bright spot of an HDRI, such as the sun."""
+
+    direction: tuple[float, float, float]  # unit, in the picture's own space
+    irradiance: tuple[float, float, float]  # on a surface facing it, linear RGB
+    half_angle_rad: float
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """An HDRI (core/surroundings.py makes it)."""
+
+    pixels: F32  # (H, W, 3) equirectangular, without the spots
+    matt: F32  # (16, 32, 3) what a white matt surface of each normal shines with
+    spots: tuple[BrightSpot, ...]
+
+
+@dataclass(frozen=True)
 class World:
-    """A uniform room of this radiance, before its spectrum."""
+    """A uniform room of this radiance, before its spectrum; with an environment, what multiplies that."""
 
     radiance: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spectrum: str = "D65"
+    environment: Environment | None = None
+    # Rows of the matrix from the world to the environment's own space: a rotation.
+    turn: tuple[tuple[float, float, float], ...] = (
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+    )
 
     @property
     def black(self) -> bool:

@@ -20,6 +20,7 @@ TABLE_SIZE = 512
 # Together 64 KiB, the size of a uniform block on every GPU that Blender runs on.
 TABLE_ROWS = 8
 MAX_LEVELS = 16
+ENVIRONMENT_LEVELS = 24
 PART_COUNT = 8
 WAVELENGTHS = 61
 WAVELENGTH_ROWS = 4
@@ -67,7 +68,8 @@ class LightVariant:
     points: bool = True
     spots: bool = False
     suns: bool = False
-    world: bool = False
+    world: bool = False  # of one colour
+    environment: bool = False  # an HDRI
     # Lamps of a size: rectangles, and what has a round outline; fine: the latter for a picture at rest.
     rectangles: bool = False
     rounds: bool = False
@@ -75,7 +77,7 @@ class LightVariant:
 
     @property
     def areas(self) -> bool:
-        return self.rectangles or self.rounds
+        return self.rectangles or self.rounds or self.environment
 
     def defines(self) -> dict[str, str]:
         flags = _flags(self)
@@ -154,6 +156,7 @@ _SIZES = {
     "TG_TABLE_SIZE": str(TABLE_SIZE),
     "TG_TABLE_ROWS": str(TABLE_ROWS),
     "TG_MAX_LEVELS": str(MAX_LEVELS),
+    "TG_ENVIRONMENT_LEVELS": str(ENVIRONMENT_LEVELS),
     "TG_WAVELENGTHS": str(WAVELENGTHS),
     "TG_WAVELENGTH_ROWS": str(WAVELENGTH_ROWS),
 }
@@ -191,7 +194,11 @@ def _program(
     push_constants: tuple[tuple[str, str], ...] = (),
 ) -> ProgramSource:
     # The text of lamps of a size is as long as all the rest: without them no compiler reads it.
-    parts = {"TG_AREAS": "viewport/areas.glsl", "TG_FILTERED": "viewport/pixel_step.glsl"}
+    parts = {
+        "TG_AREAS": "viewport/areas.glsl",
+        "TG_FILTERED": "viewport/pixel_step.glsl",
+        "TG_ENVIRONMENT": "viewport/environment.glsl",
+    }
     return ProgramSource(
         name=name,
         vertex=resolve(vertex),
@@ -213,7 +220,13 @@ def _light_blocks(lights: LightVariant) -> tuple[tuple[str, str], ...]:
         blocks.append(("TgSpots", "spots"))
     if lights.areas:
         blocks.append(("TgAreas", "areas"))
+    if lights.environment:
+        blocks.append(("TgEnvironment", "environment"))
     return tuple(blocks)
+
+
+def _light_samplers(lights: LightVariant) -> tuple[tuple[str, str], ...]:
+    return (("FLOAT_2D", "environment_atlas"),) if lights.environment else ()
 
 
 @cache
@@ -270,6 +283,7 @@ def _steel_screen(
     blocks: tuple[tuple[str, str], ...],
     steel: SteelVariant,
     outputs: tuple[tuple[str, str], ...],
+    samplers: tuple[tuple[str, str], ...] = (),
 ) -> ProgramSource:
     return _program(
         name,
@@ -279,7 +293,7 @@ def _steel_screen(
         (("TgFrame", "frame"), ("TgSteel", "steel"), *blocks),
         outputs,
         attributes=(("VEC2", "position"),),
-        samplers=_buffers(steel),
+        samplers=(*_buffers(steel), *samplers),
         push_constants=_SCREEN_PUSH,
     )
 
@@ -316,6 +330,7 @@ def steel_light_program(
         blocks,
         steel,
         (("VEC4", "out_colour"),),
+        _light_samplers(lights),
     )
 
 
@@ -371,7 +386,40 @@ def plain_program(lights: LightVariant, *, output_max: float = HALF_MAX) -> Prog
         (("VEC4", "out_colour"),),
         attributes=(("VEC3", "position"), ("VEC4", "normal_part")),
         varyings=(("smooth", "VEC3", "v_position"), ("smooth", "VEC3", "v_normal")),
+        samplers=_light_samplers(lights),
         push_constants=_OBJECT_PUSH,
+    )
+
+
+@cache
+def background_program(*, output_max: float = HALF_MAX) -> ProgramSource:
+    """The HDRI itself, where nothing is in front of it."""
+    return _program(
+        "togishi_background",
+        "viewport/screen.vert.glsl",
+        "viewport/background.frag.glsl",
+        {"TG_ENVIRONMENT": "", "TG_OUTPUT_MAX": repr(float(output_max))},
+        (("TgFrame", "frame"), ("TgEnvironment", "environment")),
+        (("VEC4", "out_colour"),),
+        attributes=(("VEC2", "position"),),
+        samplers=(("FLOAT_2D", "environment_atlas"),),
+        push_constants=(("VEC4", "rect"), ("VEC4", "origin")),
+    )
+
+
+@cache
+def environment_level_program() -> ProgramSource:
+    """One level of an HDRI from the level before it."""
+    return _program(
+        "togishi_environment_level",
+        "viewport/screen.vert.glsl",
+        "viewport/environment_level.frag.glsl",
+        {},
+        (),
+        (("VEC4", "out_colour"),),
+        attributes=(("VEC2", "position"),),
+        samplers=(("FLOAT_2D", "before"),),
+        push_constants=(("VEC4", "rect"), ("VEC4", "sizes"), ("VEC4", "blur")),
     )
 
 

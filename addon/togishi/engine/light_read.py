@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import blender_versions, properties
 from ..core.scene_data import Light, LightKind, World
+from .environment_read import KnownEnvironment, SurroundingsError, read_environment, texture_turn
 from .node_links import feeding_node
 
 _ROUND = {"DISK", "ELLIPSE"}
@@ -84,8 +85,8 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> Light:
     )
 
 
-def read_world(world: bpy.types.World | None) -> tuple[World, str]:
-    """The world's colour times its strength, and a note for the user."""
+def read_world(world: bpy.types.World | None, known: KnownEnvironment) -> tuple[World, str]:
+    """The world's colour or HDRI times its strength, and a note for the user."""
     if world is None:
         return World(), ""
     spectrum = properties.world_spectrum(world)
@@ -104,12 +105,18 @@ def read_world(world: bpy.types.World | None) -> tuple[World, str]:
                 f"World {world.name!r}: only a Background node is used; {background.name!r} is not."
             )
         else:
-            if background.inputs["Color"].is_linked:
-                note = (
-                    f"World {world.name!r}: textures of the surroundings are not used, "
-                    "the Background node's plain colour is."
-                )
             colour = tuple(float(value) for value in background.inputs["Color"].default_value[:3])
             strength = float(background.inputs["Strength"].default_value)
+            texture = feeding_node(background.inputs["Color"])
+            try:
+                if texture is not None and texture.type == "TEX_ENVIRONMENT":
+                    turn = texture_turn(texture)
+                    environment = read_environment(texture, known)
+                    bright = max(strength, 0.0)
+                    return World((bright, bright, bright), spectrum, environment, turn), ""
+                if texture is not None:
+                    raise SurroundingsError(f"{texture.name!r} is no Environment Texture")
+            except SurroundingsError as error:
+                note = f"World {world.name!r}: {error}: the Background node's plain colour is used."
     red, green, blue = (max(value * strength, 0.0) for value in colour)
     return World((red, green, blue), spectrum), note

@@ -193,7 +193,9 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
             if view.gathering is not None:
                 view.gathering.restart()
         renderer = view.renderer
-        sized = any(light.sized and not light.dark for light in scene.lights)
+        sized = any(light.sized and not light.dark for light in scene.lights) or (
+            scene.world.environment is not None and not scene.world.black
+        )
         if not sized:
             view.moving = None
             if wanted == 1:

@@ -21,12 +21,13 @@ from gpu.types import (
     GPUVertFormat,
 )
 
-from ..core import packing, shader_source
+from ..core import packing, shader_source, surroundings
 from ..core.packing import LightPass, ViewSpace
 from ..core.sampling import pixel_offsets
 from ..core.scene_data import (
     BladeMaterial,
     Camera,
+    Environment,
     Instance,
     MapData,
     MeshData,
@@ -113,6 +114,13 @@ class _GpuMaps:
     data: MapData  # what is in the textures: without the levels that the GPU has no texture for
     lobes: GPUTexture
     shape: GPUTexture | None
+
+
+@dataclass
+class _GpuEnvironment:
+    data: Environment
+    atlas: surroundings.Atlas
+    texture: GPUTexture
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,6 +215,7 @@ class Renderer:
         self._plain_program: ProgramSource | None = None
         self._passes: list[LightPass] = []
         self._has_areas = False
+        self._environment: _GpuEnvironment | None = None
         self._slices = RESTING_SLICES
         self._prepared: tuple[object, ...] = ()
 
@@ -245,6 +254,9 @@ class Renderer:
             with targets.picture.bind():
                 targets.picture.clear(color=background, depth=1.0)
             self._set_frame(scene, space, 0, lod_bias)
+            if self._environment is not None:
+                content = packing.environment_block(scene.world, self._environment.atlas, space)
+                self._set(self._block("environment"), content)
             if self._steels and targets.surface is not None:
                 with targets.surface.bind():
                     self._draw_surfaces(space)
@@ -258,6 +270,8 @@ class Renderer:
                     if len(self._passes) > 1:
                         self._set_frame(scene, space, index, lod_bias)
                     self._draw_plains(scene, space, index)
+                if self._environment is not None and not scene.transparent:
+                    self._draw_background(scene, output_max)
         self.counters.pictures += 1
         return Picture(size, targets.colour, targets.picture)
 
@@ -399,7 +413,7 @@ class Renderer:
     def _background(self, scene: SceneData, output_max: float) -> tuple[float, float, float, float]:
         if scene.transparent:
             return (0.0, 0.0, 0.0, 0.0)
-        if scene.world.black:
+        if scene.world.black or scene.world.environment is not None:
             return (0.0, 0.0, 0.0, 1.0)
         light = self.tables.light_rgb(scene.world.spectrum, scene.colour)
         red, green, blue = (
@@ -436,8 +450,30 @@ class Renderer:
             shader.uniform_block("spots", self._block("spots", index).buffer)
         if "areas" in names:
             shader.uniform_block("areas", self._block("areas", index).buffer)
+        if "environment" in names:
+            self._bind_environment(shader)
         if "wavelengths" in names:
             shader.uniform_block("wavelengths", self._wavelengths_block().buffer)
+
+    def _bind_environment(self, shader: GPUShader) -> None:
+        assert self._environment is not None
+        shader.uniform_block("environment", self._block("environment").buffer)
+        shader.uniform_sampler("environment_atlas", self._environment.texture)
+
+    def _draw_background(self, scene: SceneData, output_max: float) -> None:
+        shader = self._shader(shader_source.background_program(output_max=output_max))
+        gpu.state.blend_set("NONE")
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.depth_mask_set(False)
+        shader.bind()
+        shader.uniform_block("frame", self._block("frame").buffer)
+        self._bind_environment(shader)
+        light = self.tables.light_rgb(scene.world.spectrum, scene.colour)
+        colour = [a * b for a, b in zip(light, scene.world.radiance, strict=True)]
+        shader.uniform_float("rect", (-1.0, -1.0, 1.0, 1.0))
+        shader.uniform_float("origin", (*colour, 0.0))
+        self._rectangle().draw(shader)
+        self.counters.draw_calls += 1
 
     def _draw_surfaces(self, space: ViewSpace) -> None:
         _solid_state()
@@ -490,7 +526,8 @@ class Renderer:
         shader.uniform_block("frame", self._block("frame").buffer)
         shader.uniform_block("steel", self._steel_block(steel).buffer)
         for _kind, name in source.samplers:
-            shader.uniform_sampler(name, targets.buffers[name.removesuffix("_buffer")])
+            if name.endswith("_buffer"):
+                shader.uniform_sampler(name, targets.buffers[name.removesuffix("_buffer")])
         shader.uniform_float("rect", rect)
         if ("TG_MANY", "") in source.defines or source.name == "togishi_steel_inputs":
             shader.uniform_float("object_state", (1.0, float(steel.number), -1.0, 0.0))
@@ -582,6 +619,11 @@ class Renderer:
         if self._prepared == prepared:
             return
         self._upload(scene)
+        wanted = None if scene.world.black else scene.world.environment
+        if wanted is None:
+            self._environment = None
+        elif self._environment is None or self._environment.data is not wanted:
+            self._environment = self._blurred(wanted)
         self._passes = packing.light_passes(scene.lights, scene.world)
         lights = packing.light_variant(self._passes, scene.world, fine=not moving)
         self._has_areas = lights.areas
@@ -676,6 +718,68 @@ class Renderer:
             maps, texture(maps.lobes), None if maps.shape is None else texture(maps.shape)
         )
 
+    def _blurred(self, data: Environment) -> _GpuEnvironment:
+        """The atlas of an HDRI's levels, each from the one before it."""
+        height, width = data.pixels.shape[:2]
+        atlas = surroundings.atlas_of(width, height)
+        texture = GPUTexture((atlas.width, atlas.height), format="RGBA16F")
+        whole = GPUFrameBuffer(color_slots=[texture])
+        before = _bordered(data.pixels)
+        with _DrawState():
+            gpu.state.depth_test_set("NONE")
+            gpu.state.blend_set("NONE")
+            for number, level in enumerate(atlas.levels):
+                if number:
+                    before = self._next_level(before, atlas.levels[number - 1], level)
+                self._put(before, whole, (atlas.width, atlas.height), (level.x, level.y))
+            matt = _bordered(data.matt)
+            self._put(matt, whole, (atlas.width, atlas.height), atlas.irradiance)
+        self.counters.map_uploads += 1
+        return _GpuEnvironment(data, atlas, texture)
+
+    def _next_level(
+        self, before: GPUTexture, old: surroundings.Level, level: surroundings.Level
+    ) -> GPUTexture:
+        texture = GPUTexture((level.width + 2, level.height + 2), format="RGBA32F")
+        shader = self._shader(shader_source.environment_level_program())
+        with GPUFrameBuffer(color_slots=[texture]).bind():
+            shader.bind()
+            shader.uniform_sampler("before", before)
+            shader.uniform_float("rect", (-1.0, -1.0, 1.0, 1.0))
+            shader.uniform_float("sizes", (level.width, level.height, old.width, old.height))
+            # A tap for each texel of the level before.
+            texel = max(2.0 * math.pi / old.width, math.pi / old.height)
+            reach = min(max(math.ceil(2.8 * level.blur_rad / texel), 4), 8)
+            shader.uniform_float("blur", (level.blur_rad, float(reach), 0.0, 0.0))
+            self._rectangle().draw(shader)
+        return texture
+
+    def _put(
+        self,
+        picture: GPUTexture,
+        target: GPUFrameBuffer,
+        size: tuple[int, int],
+        corner: tuple[int, int],
+    ) -> None:
+        """A bordered picture into a larger one, its corner without the border at `corner`."""
+        left, bottom = corner[0] - 1, corner[1] - 1
+        right, top = left + picture.width, bottom + picture.height
+        shader = self._shader(shader_source.copy_program())
+        with target.bind():
+            shader.bind()
+            shader.uniform_sampler("picture", picture)
+            shader.uniform_float(
+                "rect",
+                (
+                    2.0 * left / size[0] - 1.0,
+                    2.0 * bottom / size[1] - 1.0,
+                    2.0 * right / size[0] - 1.0,
+                    2.0 * top / size[1] - 1.0,
+                ),
+            )
+            shader.uniform_float("origin", (float(left), float(bottom), 0.0, 1.0))
+            self._rectangle().draw(shader)
+
     def _shader(self, source: ProgramSource) -> GPUShader:
         shader = self._programs.get(source)
         if shader is None:
@@ -721,6 +825,15 @@ class Renderer:
                 else None,
             )
         return targets
+
+
+def _bordered(pixels: np.ndarray) -> GPUTexture:
+    """An equirectangular picture with its border, as a texture."""
+    colour = surroundings.with_border(pixels)
+    whole = np.ones((*colour.shape[:2], 4), np.float32)
+    whole[..., :3] = colour
+    size = (whole.shape[1], whole.shape[0])
+    return GPUTexture(size, format="RGBA32F", data=float_buffer(whole))
 
 
 def _material(

@@ -18,6 +18,7 @@ from ..core.scene_data import (
     MeshData,
     SceneData,
 )
+from .environment_read import KnownEnvironment
 from .image_maps import MapError, image_key, read_maps
 from .light_read import read_light, read_world
 from .material_read import read_plain
@@ -43,6 +44,7 @@ class SceneSync:
         self._maps: dict[tuple[object, ...], MapData | str] = {}
         self._light_objects: list[int] = []
         self._instanced_lights = False
+        self._environment = KnownEnvironment()
         self._light_notes: list[str] = []
         self._other_notes: list[str] = []
 
@@ -141,7 +143,7 @@ class SceneSync:
             note = self._materials[name][2]
             if note:
                 self._other_notes.append(note)
-        world, note = read_world(depsgraph.scene_eval.world)
+        world, note = read_world(depsgraph.scene_eval.world, self._environment)
         if note:
             self._light_notes.append(note)
         return SceneData(
@@ -171,7 +173,7 @@ class SceneSync:
             if view3d is not None and not obj.original.visible_in_viewport_get(view3d):
                 continue
             lights.append(read_light(obj.data, matrix_array(obj.matrix_world)))
-        world, note = read_world(depsgraph.scene_eval.world)
+        world, note = read_world(depsgraph.scene_eval.world, self._environment)
         if note:
             self._light_notes.append(note)
         return SceneData(
