@@ -17,6 +17,7 @@ import togishi_core
 from PIL import Image
 
 WIDTH, HEIGHT, LIGHTS = 150, 140, 40
+STORE_HEADER = 128  # bytes before the checksums of the bands (cpp_core/capture/tile_store.cpp)
 NAME = "写真 "  # spaces and characters beyond ASCII
 
 
@@ -188,8 +189,16 @@ def test_a_picture_cut_off_stops_the_run_and_the_next_goes_on(togishi, photograp
     assert not list(tmp_path.glob(".*.tiles"))
 
 
+def whole_bands(store: Path) -> int:
+    """How many of a run's bands are marked in its store: a checksum each, behind the header."""
+    bands = -(-HEIGHT // 64)
+    sums = np.frombuffer(store.read_bytes()[STORE_HEADER : STORE_HEADER + 8 * bands], "<u8")
+    return int(np.count_nonzero(sums))
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL], ids=["stopped", "killed"])
 def test_a_run_that_is_interrupted_goes_on_where_it_was(
-    togishi, togishi_cli, photographs, tmp_path
+    togishi, togishi_cli, photographs, tmp_path, how
 ):
     file, _ = photographs
     out = tmp_path / "maps.exr"
@@ -198,18 +207,18 @@ def test_a_run_that_is_interrupted_goes_on_where_it_was(
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     tiles: list[Path] = []
     deadline = time.monotonic() + 60
-    # The first band fills the store beyond its header.
     while process.poll() is None and time.monotonic() < deadline:
         tiles = list(tmp_path.glob(".maps.exr.*.tiles"))
-        if tiles and tiles[0].stat().st_size > 64 * WIDTH * 4:
-            process.send_signal(signal.SIGINT)
+        if tiles and whole_bands(tiles[0]) > 0:
+            process.send_signal(how)
             break
         time.sleep(0.002)
     _, errors = process.communicate(timeout=60)
     if process.returncode == 0:
         pytest.skip("the machine was faster than the signal")
-    assert process.returncode == 1, errors
-    assert "stopped: " in errors
+    if how == signal.SIGINT:
+        assert process.returncode == 1, errors
+        assert "stopped: " in errors
     assert not out.exists()
     done = togishi("--json", *command[1:])
     assert done.returncode == 0, done.stderr
@@ -218,6 +227,85 @@ def test_a_run_that_is_interrupted_goes_on_where_it_was(
     assert togishi("capture", "lights", file, "-o", again, "--self-calibrate").returncode == 0
     for name, plane in read(out).items():
         assert np.array_equal(plane, read(again)[name], equal_nan=True), name
+
+
+def near_stack(folder: Path) -> tuple[Path, Path, float, float]:
+    """A flat hamon and a white patch under lamps at 300 mm, of unlike intensities, as floats: the .lp file with and
+    the one without intensities, full scale, and the weight of the lobe."""
+    width, height, distance_mm, lamps = 80, 48, 300.0, 40
+    rng = np.random.default_rng(8)
+    x, y = np.meshgrid(np.arange(width) - (width - 1) / 2, (height - 1) / 2 - np.arange(height))
+    place = np.stack([x, y, np.zeros_like(x)], -1).reshape(-1, 3)
+    points = len(place)
+    mu_t, mu_b, rho = np.radians(8.0), np.radians(5.0), np.radians(25.0)
+    r = 0.5 * np.log(mu_t / mu_b)
+    ln_mu = np.log(np.degrees(np.sqrt(mu_t * mu_b)))
+    lobe = np.tile([ln_mu, r * np.cos(2 * rho), r * np.sin(2 * rho)], (points, 1))
+    angle, zenith = 2.399963 * np.arange(lamps), np.radians(np.linspace(5, 46, lamps))
+    lamp = distance_mm * np.stack(
+        [np.sin(zenith) * np.cos(angle), np.sin(zenith) * np.sin(angle), np.cos(zenith)], -1
+    )
+    intensity = rng.uniform(0.5, 2.0, lamps)
+    up = np.tile([0.0, 0, 1], (points, 1))
+    pictures = []
+    for at, strength in zip(lamp, intensity, strict=True):
+        ray = at - place
+        apart = np.linalg.norm(ray, axis=-1, keepdims=True)
+        light, irradiance = ray / apart, strength * (distance_mm / apart) ** 2
+        xyz = togishi_core.reference_xyz(
+            metal="iron_johnson_christy",
+            lights=["D65"],
+            light_of=np.zeros(1, np.int32),
+            normal=up,
+            tangent=np.tile([1.0, 0, 0], (points, 1)),
+            view=up,
+            light_direction=light[:, None],
+            irradiance=irradiance,
+            lobe_ji=lobe,
+            lobe_hadori=lobe,
+            lobe_ha=lobe,
+            w=1.0,
+            h=0.0,
+        )
+        picture = (xyz[:, 1] + 0.02 / np.pi * light[:, 2] * irradiance[:, 0]).reshape(height, width)
+        white = (0.99 / np.pi * light[:, 2] * irradiance[:, 0]).reshape(height, width)
+        picture[4:14, 2:12] = white[4:14, 2:12]
+        pictures.append(picture)
+    full = max(p.max() for p in pictures) / 0.9
+    files = [["near.lp", str(lamps)], ["white.lp", str(lamps)]]
+    for i, (picture, at, strength) in enumerate(zip(pictures, lamp, intensity, strict=True)):
+        Image.fromarray((picture / full).astype(np.float32)).save(folder / f"{i}.tif")
+        line = f"{i}.tif " + " ".join(f"{v:.6f}" for v in at)
+        files[0].append(f"{line} {strength:.6f}")
+        files[1].append(line)
+    for name, *lines in files:
+        (folder / name).write_text("\n".join(lines) + "\n")
+    weight = np.log(2) / (4 * np.pi * mu_t * mu_b)
+    return folder / "near.lp", folder / "white.lp", full, weight
+
+
+def test_near_lamps_by_their_intensities_or_by_a_white_reference(togishi, tmp_path):
+    stated, white, full, weight = near_stack(tmp_path)
+    near = ["--positions", "--mm-per-pixel", "1", "--light-error", "0"]
+    runs = (
+        (stated, ["--intensities"], weight / full),
+        (white, ["--white-patch", "2", "4", "10", "10"], weight),
+    )
+    for file, options, expected in runs:
+        out = tmp_path / f"{file.stem}.exr"
+        done = togishi("capture", "lights", file, "-o", out, *near, *options)
+        assert done.returncode == 0, done.stderr
+        found = {name: plane[16:] for name, plane in read(out).items()}  # below the white patch
+        good = found["flags"] == 0
+        assert good.mean() > 0.98
+        shape = np.hypot(found["lobe.e1"], found["lobe.e2"])
+        for sign, mu_deg in ((1, 8.0), (-1, 5.0)):
+            mu = np.exp(found["lobe.ln_mu_deg"] + sign * shape)[good]
+            assert np.percentile(np.abs(mu / mu_deg - 1), 90) < 0.01
+        rho = np.degrees(0.5 * np.arctan2(found["lobe.e2"], found["lobe.e1"]))[good]
+        assert np.percentile(np.abs(rho - 25), 90) < 0.5
+        assert np.percentile(np.abs(found["N.Z"] - 1)[good], 90) < 1e-5
+        assert np.percentile(np.abs(found["lobe.weight"] / expected - 1)[good], 90) < 0.02
 
 
 def test_what_a_set_up_can_see_is_said_before_anything_is_fitted(togishi, photographs):
@@ -276,6 +364,16 @@ def test_bad_input_is_named(togishi, photographs, tmp_path):
     lines[3] = lines[3].replace(f"{file.parent}/{NAME}002.tif", str(small))
     broken.write_text("\n".join(lines))
     refused(togishi("capture", "lights", broken, "-o", out), "small.tif", "size is 8 x 8")
+    arc = [
+        lines[0],
+        *(f"{' '.join(line.split()[:-3])} {0.02 * i} 0 1" for i, line in enumerate(lines[1:])),
+    ]
+    arc[3] = arc[3].replace(str(small), f"{file.parent}/{NAME}002.tif")
+    broken.write_text("\n".join(arc))
+    refused(togishi("capture", "lights", broken, "-o", out), "all in one plane")
+    arc[7] = arc[7].replace(" 0 1", " 0 -1")
+    broken.write_text("\n".join(arc))
+    refused(togishi("capture", "lights", broken, "-o", out), "line 8", "horizon")
     few = [lines[0].replace("40", "6"), *lines[5:11]]
     broken.write_text("\n".join(few))
     refused(togishi("capture", "lights", broken, "-o", out), "lights is 6", "at least 7")
