@@ -7,9 +7,6 @@
 #define TG_AREA_ELLIPSE 1
 #define TG_AREA_SPOT 3
 #define TG_AREA_SUN 4
-// Half angle, rad, below which a round lamp is drawn this wide, with its own power: the graphics card's single precision
-// errs by tenths on the flanks of a lobe at 3e-4, by .2 % of the peak here.
-#define TG_LEAST_CONE 1.0e-3
 
 // A lamp as the pixel's point sees it.
 struct AreaSeen {
@@ -60,8 +57,10 @@ AreaSeen area_seen(TgArea area, vec3 place) {
         bool sun = seen.kind == TG_AREA_SUN;
         bool soft = area.size.y > 0.5;
         float tangent = area.size.x * inv;
-        float ball = soft ? atan(tangent) : asin(min(tangent, 1.0));
-        seen.angle_rad = clamp(sun ? area.size.x : ball, TG_LEAST_CONE, 1.5);
+        // No asin: graphics cards know it to 1e-4 only.
+        float ball = soft ? atan(tangent) : atan(tangent, sqrt(max(1.0 - tangent * tangent, 0.0)));
+        // As cone_slices widens it, with its own power.
+        seen.angle_rad = clamp(sun ? area.size.x : ball, TG_MIN_HALF_ANGLE, 1.5);
         seen.bound_rad = seen.angle_rad;
         float squared = distance_squared + (soft ? area.size.x * area.size.x : 0.0);
         float facing = sun ? 1.0 : light_point_intensity(1.0) * light_distance_falloff(squared);

@@ -2,6 +2,7 @@
 // closed form, the shared slices against the reference, extremes, float against double.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -309,6 +310,102 @@ TEST(AreaLight, FloatIsDouble) {
     }
 }
 
+// Single points of tests/bench/bench_light.cpp that once were the worst ones.
+TEST(AreaLight, EightSlicesKeepTheWorstPoints) {
+    struct Worst {
+        std::array<double, 3> lobe;
+        glm::dvec3 view, centre, u, v;
+        double half, angle;  // angle: of a sun, else 0
+    };
+    const Worst all[] = {
+        // The rim far off the lobe.
+        {{-0.58671, -0.58303, 0.75040},
+         {-0.664242, -0.718086, 0.207689},
+         {0.998296, 0.617076, -0.208248},
+         {0.343796, 0.345267, -0.873267},
+         {0.579260, -0.809915, -0.092171},
+         0.517849,
+         0.000000},
+        // The same.
+        {{0.40595, 0.57608, -0.05039},
+         {-0.958140, 0.207678, 0.197072},
+         {1.047644, -0.382582, -0.048457},
+         {-0.221822, 0.177529, 0.958790},
+         {-0.199883, 0.954127, -0.222910},
+         0.267762,
+         0.000000},
+        // An outline that closes between two steps.
+        {{2.40449, 0.00000, 0.00000},
+         {0.909507, -0.295897, 0.291963},
+         {-1.036240, 0.047174, 0.266733},
+         {0.238181, 0.647515, 0.723874},
+         {-0.412641, -0.607241, 0.678959},
+         0.299483,
+         0.000000},
+        // Slices cut on either side.
+        {{0.07962, -0.93913, -0.25935},
+         {-0.660843, -0.644483, 0.384614},
+         {0.687001, 0.613178, 0.370506},
+         {0.501501, -0.676750, -0.538987},
+         {0.496961, -0.284623, 0.819768},
+         0.093235,
+         0.000000},
+        // Ended by the horizon.
+        {{2.21427, 0.40148, -0.18609},
+         {0.806726, -0.010032, 0.590841},
+         {-0.768682, -0.361965, 0.527361},
+         {-0.009279, 0.654487, 0.756016},
+         {0.941499, -0.248996, 0.227113},
+         0.663318,
+         0.585681},
+        // Masking begins far off.
+        {{2.05145, 0.00000, -0.00000},
+         {0.015217, 0.969508, 0.244588},
+         {-0.015217, -0.969508, 0.244588},
+         {0.528129, 0.492741, 0.691582},
+         {0.749463, -0.653373, -0.106813},
+         0.953085,
+         0.761382},
+    };
+    for (const Worst& w : all) {
+        AreaLightPoint p;
+        p.normal = {0, 0, 1};
+        p.tangent = {1, 0, 0};
+        p.view = glm::normalize(w.view);
+        p.lobe = w.lobe;
+        AreaLight light = EllipseLight{w.centre, w.half * w.u, w.half * w.v};
+        if (w.angle > 0) light = SunLight{glm::normalize(w.centre), w.angle};
+        const double truth = reference_area_light(p, light, 1e-4).value;
+        EXPECT_NEAR(shared_float(p, light, 8, true) / truth, 1, 0.01) << w.lobe[0];
+        EXPECT_NEAR(shared_float(p, light, 16, true) / truth, 1, 0.003) << w.lobe[0];
+    }
+}
+
+// To a float all directions of a small light are nearly the same.
+TEST(AreaLight, SmallLightsKeepTheirShapeInFloat) {
+    for (const double mu : {0.05, 3.0}) {
+        for (const double half : {1.2e-4, 3e-4, 1e-3}) {
+            for (const double off : {0.0, 1.5, 3.0}) {
+                const auto p = point_at(40, mu, mu, 0);
+                const double turn = 2 * off * mu * degree / 1.17741;
+                const auto rectangle =
+                    rectangle_at(glm::normalize(mirrored(p) + turn * glm::dvec3(0.3, 0.954, 0)),
+                                 half, half, 0.4);
+                const double peak =
+                    shared_double(p, rectangle_at(mirrored(p), half, half, 0.4), 16, false);
+                const AreaLight lights[] = {
+                    rectangle, EllipseLight{rectangle.centre, rectangle.half_u, rectangle.half_v},
+                    SunLight{rectangle.centre, std::atan(half)}};
+                for (const AreaLight& light : lights) {
+                    EXPECT_NEAR(shared_float(p, light, 16, true), shared_double(p, light, 16, true),
+                                5e-3 * peak)
+                        << mu << ' ' << half << ' ' << off << ' ' << light.index();
+                }
+            }
+        }
+    }
+}
+
 TEST(AreaLight, ExtremesAreFinite) {
     const float inf = std::numeric_limits<float>::infinity();
     for (const double incidence : {0.0, 45.0, 89.0, 89.999}) {
@@ -320,6 +417,7 @@ TEST(AreaLight, ExtremesAreFinite) {
                         const auto shape = rectangle_at(
                             distance * mirrored(p) + glm::dvec3(0, 0, 1e-9), 1, 1, 0.2);
                         for (const bool fine : {false, true}) {
+                            const int count = fine ? 8 : 4;
                             const auto frame =
                                 f32::tangent_frame(glm::vec3(p.normal), glm::vec3(p.tangent));
                             const auto form = f32::lobe_form({static_cast<float>(p.lobe[0]),
@@ -335,20 +433,20 @@ TEST(AreaLight, ExtremesAreFinite) {
                                     << incidence << ' ' << mu << ' ' << distance << ' ' << size;
                                 ASSERT_TRUE(n.n_dot_l <= 1.001F && n.v_dot_h <= 1.001F);
                             };
-                            const auto r = f32::rectangle_slices(light, frame, view, form, 4);
-                            const auto e = f32::ellipse_slices(light, frame, view, form, 4);
+                            const auto r = f32::rectangle_slices(light, frame, view, form, count);
+                            const auto e = f32::ellipse_slices(light, frame, view, form, count);
                             const auto s =
                                 f32::cone_slices(glm::vec3(mirrored(p)), static_cast<float>(size),
-                                                 frame, view, form, 4);
-                            for (int k = 0; k < 4; ++k) {
+                                                 frame, view, form, count);
+                            for (int k = 0; k < count; ++k) {
                                 if (fine) {
-                                    check(f32::rectangle_slice_fine(r, 4, k).lower.first);
-                                    check(f32::disk_slice_fine(e, 4, k).upper.second);
-                                    check(f32::disk_slice_fine(s, 4, k).lower.second);
+                                    check(f32::rectangle_slice_fine(r, count, k).lower.first);
+                                    check(f32::disk_slice_fine(e, count, k).upper.second);
+                                    check(f32::disk_slice_fine(s, count, k).lower.second);
                                 } else {
-                                    check(f32::rectangle_slice(r, 4, k).second);
-                                    check(f32::disk_slice(e, 4, k).first);
-                                    check(f32::disk_slice(s, 4, k).second);
+                                    check(f32::rectangle_slice(r, count, k).second);
+                                    check(f32::disk_slice(e, count, k).first);
+                                    check(f32::disk_slice(s, count, k).second);
                                 }
                             }
                         }

@@ -112,35 +112,52 @@ TG_FN float disk_rim(vec3 u, vec3 v, vec3 n, float inside, float end, float gues
 
 TG_FN SliceCut cut_disk(SliceCut slice, DiskSlices r) {
     SliceCut s = slice;
-    vec3 u = vec3(dot(r.cone_u, s.mirrored), dot(r.cone_u, s.turned), dot(r.cone_u, s.bent));
-    vec3 v = vec3(dot(r.cone_v, s.mirrored), dot(r.cone_v, s.turned), dot(r.cone_v, s.bent));
+    // cone_u and cone_v are perpendicular to the axis: from there, for to a float all directions of a small light are the same.
+    vec3 off = s.mirrored - r.axis;
+    vec3 u = vec3(dot(r.cone_u, off), dot(r.cone_u, s.turned), dot(r.cone_u, s.bent));
+    vec3 v = vec3(dot(r.cone_v, off), dot(r.cone_v, s.turned), dot(r.cone_v, s.bent));
     vec3 n = vec3(dot(r.cone_n, s.mirrored), dot(r.cone_n, s.turned), dot(r.cone_n, s.bent));
     // Deepest inside: from where the slice comes nearest to the centre, or from the lobe's ridge.
     float c0 = dot(r.axis, s.mirrored);
     float c1 = dot(r.axis, s.turned);
     float c2 = dot(r.axis, s.bent);
     float y = clamp(tan(float(0.5) * atan(float(2.0) * c1, c0 - c2)), s.lo, s.hi);
-    vec3 f = disk_depth(u, v, n, y);
-    vec3 at_ridge = disk_depth(u, v, n, float(0.0));
-    if (f.x < float(0.0) && at_ridge.x > f.x) {
-        y = float(0.0);
-        f = at_ridge;
-    }
-    for (int i = 0; i < 4; i = i + 1) {
-        float next = clamp(f.z < float(0.0) ? y - f.y / f.z : y, s.lo, s.hi);
-        vec3 g = disk_depth(u, v, n, next);
-        y = g.x > f.x ? next : y;
-        f = g.x > f.x ? g : f;
+    float at_ridge = disk_depth(u, v, n, float(0.0)).x;
+    float at_centre = disk_depth(u, v, n, y).x;
+    y = at_centre < float(0.0) && at_ridge > at_centre ? float(0.0) : y;
+    vec3 f = vec3(float(-1.0), float(0.0), float(0.0));
+    for (int attempt = 0; attempt < 2 && f.x < float(0.0); attempt = attempt + 1) {
+        float best = float(-1.0e30);
+        for (int k = 0; k < 12 * attempt; k = k + 1) {
+            // A light seen from its edge is not deepest near its centre: from the best of some places along the slice.
+            float place = s.lo + (s.hi - s.lo) * ((float(k) + float(0.5)) / float(12.0));
+            float scale = float(1.0) / (float(1.0) + place * place);
+            float depth = disk_depth(u, v, n, place).x * scale * scale;
+            y = depth > best ? place : y;
+            best = max(best, depth);
+        }
+        float next = y;
+        f = vec3(float(-1.0e30), float(0.0), float(0.0));
+        for (int i = 0; i < 5; i = i + 1) {
+            vec3 g = disk_depth(u, v, n, next);
+            y = g.x > f.x ? next : y;
+            f = g.x > f.x ? g : f;
+            next = clamp(f.z < float(0.0) ? y - f.y / f.z : y, s.lo, s.hi);
+        }
     }
     if (f.x < float(0.0)) {
         s.hi = s.lo;
         return s;
     }
     float half_chord = f.z < float(0.0) ? sqrt(float(-2.0) * f.x / f.z) : s.hi - s.lo;
-    float lo = disk_rim(u, v, n, y, s.lo, y - half_chord);
-    float hi = disk_rim(u, v, n, y, s.hi, y + half_chord);
-    s.lo = lo;
-    s.hi = hi;
+    vec2 rim = vec2(s.lo, s.hi);
+    for (int side = 0; side < 2; side = side + 1) {
+        float sign = side == 0 ? float(-1.0) : float(1.0);
+        float found = disk_rim(u, v, n, y, side == 0 ? s.lo : s.hi, y + sign * half_chord);
+        rim = side == 0 ? vec2(found, rim.y) : vec2(rim.x, found);
+    }
+    s.lo = rim.x;
+    s.hi = rim.y;
     return s;
 }
 
@@ -155,32 +172,94 @@ TG_FN SliceCut disk_slice_cut(DiskSlices r, float alpha) {
     return cut_plane(s, r.pencil.normal);
 }
 
-// An end of alpha, moved on in growing steps (step: 1 or -1) while the slice beyond it is lit.
-TG_FN float disk_end(DiskSlices r, float end, float limit, float step, float least) {
-    float found = end;
+// An end of alpha, moved on in growing steps (step: 1 or -1) while the slice beyond it is lit. With slices enough for it to count,
+// an end that the light does not reach is brought back to it, and one that is found too near is moved on: the light's outline
+// may close between two steps, or at the horizon. brightest: a lit slice. One loop, for programs hold every call in full.
+TG_FN float disk_end(DiskSlices r, float end, float limit, float step, float brightest, float least, int count) {
+    bool exact = count >= 8;
+    float found = (limit - end) * step < float(0.0) ? limit : end;
     float beyond = float(0.1) * r.pencil.sigma;
-    for (int i = 0; i < 6; i = i + 1) {
+    // What counts as having found it.
+    float margin = step * min(float(0.5) * beyond, float(0.05) * abs(found - brightest));
+    float faint = float(0.04) * least;
+    float lit = brightest;
+    float dark = found;
+    // 0: just inside the end; 1: steps outwards; 2: just outside the last lit one; 3: halving between lit and dark.
+    int phase = exact ? 0 : 1;
+    int done = 0;
+    for (int i = 0; i < 16; i = i + 1) {
         float next = found + step * beyond;
-        if ((limit - next) * step <= float(0.0) || slice_light(disk_slice_cut(r, next)) < least) {
-            return i > 0 ? found + float(0.5) * step * beyond : found;
+        if (phase == 1 && (limit - next) * step <= float(0.0)) {
+            return done > 0 ? limit : end;
         }
-        found = next;
-        beyond = float(2.0) * beyond;
+        float place = phase == 0 ? found - margin : phase == 1 ? next : phase == 2 ? found + margin : float(0.5) * (lit + dark);
+        float light = slice_light(disk_slice_cut(r, place));
+        float between = done > 0 ? found + float(0.5) * step * beyond : found;
+        if (phase == 0) {
+            dark = place;
+            phase = light < faint ? 3 : 1;
+        } else if (phase == 1) {
+            if (light >= least) {
+                found = next;
+                beyond = float(2.0) * beyond;
+                done = done + 1;
+                if (done == 6) {
+                    return limit;
+                }
+            } else if (exact) {
+                dark = next;
+                phase = 2;
+            } else {
+                return between;
+            }
+        } else if (phase == 2) {
+            if (light < least) {
+                return between;
+            }
+            lit = place;
+            phase = 3;
+            done = 0;
+        } else {
+            lit = light >= faint ? place : lit;
+            dark = light >= faint ? dark : place;
+            done = done + 1;
+            if (done == 6) {
+                return dark;
+            }
+        }
     }
-    return limit;
+    return found;
 }
 
 TG_FN DiskSlices disk_finish(DiskSlices slices, vec2 ends, int count) {
     DiskSlices r = slices;
     float widths = slice_reach(count);
     vec2 reach = pencil_reach(r.pencil, widths);
-    vec2 all = vec2(min(min(ends.x, ends.y), r.brightest), max(max(ends.x, ends.y), r.brightest));
+    // The brightest point is found on the plane as if the lobe were there as it is at the mirror direction: far from it the lobe's
+    // own slice may be the better one.
+    float brightest = float(0.0);
+    float light = float(-1.0);
+    float candidate = clamp(r.brightest, reach.x, reach.y);
+    int candidates = abs(candidate) > r.pencil.sigma ? 2 : 1;
+    for (int i = 0; i < candidates; i = i + 1) {
+        float found = slice_light(disk_slice_cut(r, candidate));
+        brightest = found > light ? candidate : brightest;
+        light = max(light, found);
+        candidate = float(0.0);
+    }
     // Against the slice of the brightest point: a light beside the lobe has only its tail.
-    float least = max(float(0.005) * slice_light(disk_slice_cut(r, r.brightest)), float(1.0e-6));
-    all.x = disk_end(r, all.x, reach.x, float(-1.0), least);
-    all.y = disk_end(r, all.y, reach.y, float(1.0), least);
-    r.range = slice_range(all, reach);
-    r.scale = slice_range_scale(r.range, reach, float(0.0), r.pencil.sigma, count);
+    float least = max(float(0.005) * light, float(1.0e-6));
+    vec2 all = vec2(min(min(ends.x, ends.y), brightest), max(max(ends.x, ends.y), brightest));
+    for (int side = 0; side < 2; side = side + 1) {
+        bool lower = side == 0;
+        float end = disk_end(r, lower ? all.x : all.y, lower ? reach.x : reach.y, lower ? float(-1.0) : float(1.0), brightest, least, count);
+        all = lower ? vec2(end, all.y) : vec2(all.x, end);
+    }
+    // Where the outline closes far out on the lobe there is little light at its ends: slices that crowd there are missed in the middle.
+    float half_width = float(0.5) * (all.y - all.x) / r.pencil.sigma;
+    r.range = slice_range(all, reach, float(1.0) + float(0.5) * max(half_width - float(1.7), float(0.0)));
+    float width = pencil_width(r.pencil, widths);
+    r.scale = slice_range_scale(r.range, vec2(-width, width), float(0.0), r.pencil.sigma, count);
     return r;
 }
 
@@ -217,8 +296,14 @@ TG_FN DiskSlices cone_slices(vec3 axis, float angle, TangentFrame axes, vec3 vie
             float s = sin(alpha);
             float ap = clamp(ao * c - an * s, float(-0.9999), float(0.9999));
             float vp = clamp(vo * c - vn * s, float(-0.9999), float(0.9999));
-            float slope = (an * c + ao * s) / sqrt(float(1.0) - ap * ap) + (vn * c + vo * s) / sqrt(float(1.0) - vp * vp);
-            float miss = asin(ap) + asin(vp) + sign * wide;
+            float ac = sqrt(float(1.0) - ap * ap);
+            float vc = sqrt(float(1.0) - vp * vp);
+            float slope = (an * c + ao * s) / ac + (vn * c + vo * s) / vc;
+            // asin(ap) + asin(vp), of near opposite numbers where the light is small: by their sum, and without asin, of which
+            // graphics cards know 1e-4.
+            float sum = (ao + vo) * c - (an + vn) * s;
+            float sine = sum * (vc - vp * (ap - vp) / (ac + vc));
+            float miss = atan(sine, ac * vc - ap * vp) + sign * wide;
             alpha = clamp(alpha + miss / max(slope, float(0.05)), float(-1.5), float(1.5));
         }
         ends = side == 0 ? vec2(alpha, ends.y) : vec2(ends.x, alpha);

@@ -117,9 +117,14 @@ TG_FN float pencil_exponent(LobePencil p, float out_part, float along_part, floa
     return p.oo * o * o + float(2.0) * p.oa * o * a + p.aa * a * a;
 }
 
+// How far the lobe reaches in alpha to either side of N.
+TG_FN float pencil_width(LobePencil p, float widths) {
+    return min(widths * p.sigma, float(1.5));
+}
+
 // Range of alpha in which light is above the horizon and D is not negligible.
 TG_FN vec2 pencil_reach(LobePencil p, float widths) {
-    float reach = min(widths * p.sigma, float(1.5));
+    float reach = pencil_width(p, widths);
     float v_out = dot(p.view, p.outward);
     float v_normal = max(dot(p.view, p.normal), TG_MIN_COS);
     float v_along = dot(p.view, p.along);
@@ -130,11 +135,12 @@ TG_FN vec2 pencil_reach(LobePencil p, float widths) {
     return vec2(max(-reach, -atan(below)), min(reach, atan(above)));
 }
 
-// ends: of the outline, in alpha; reach: pencil_reach.
-TG_FN SliceRange slice_range(vec2 ends, vec2 reach) {
+// ends: of the outline, in alpha; reach: pencil_reach; stretch: 1 or more, how much wider an outline the slices are laid out for
+// within those ends.
+TG_FN SliceRange slice_range(vec2 ends, vec2 reach, float stretch) {
     SliceRange r;
     r.centre = float(0.5) * (ends.x + ends.y);
-    r.half_width = max(float(0.5) * (ends.y - ends.x), float(0.0));
+    r.half_width = max(float(0.5) * (ends.y - ends.x), float(0.0)) * stretch;
     float w = max(r.half_width, float(1.0e-12));
     float lo = clamp((max(ends.x, reach.x) - r.centre) / w, float(-1.0), float(1.0));
     float hi = clamp((min(ends.y, reach.y) - r.centre) / w, float(-1.0), float(1.0));
@@ -159,9 +165,9 @@ TG_FN vec2 slice_place(SliceRange r, int count, int k) {
 }
 
 // What the widths are to be multiplied by, so that a Gaussian of alpha (mean, sigma) comes out exactly between the ends
-// of the outline; ends that are only those of the slices' reach count as infinite. From twelve slices on the quadrature
-// needs no such help.
-TG_FN float slice_range_scale(SliceRange r, vec2 reach, float mean, float sigma, int count) {
+// of the outline or at the horizon; ends at `open`, where only the slices end and not the light, count as infinite. From twelve
+// slices on the quadrature needs no such help.
+TG_FN float slice_range_scale(SliceRange r, vec2 open, float mean, float sigma, int count) {
     if (count > 8) {
         return float(1.0);
     }
@@ -171,10 +177,11 @@ TG_FN float slice_range_scale(SliceRange r, vec2 reach, float mean, float sigma,
         vec2 slice = slice_place(r, count, k);
         sum = sum + slice.y * inv * TG_INV_SQRT_TAU * normal_bump((slice.x - mean) * inv);
     }
-    float lo = r.centre - r.half_width;
-    float hi = r.centre + r.half_width;
-    float exact = normal_part(lo < reach.x ? float(-1.0e3) : (lo - mean) * inv,
-                              hi > reach.y ? float(1.0e3) : (hi - mean) * inv).share;
+    float lo = r.centre + r.half_width * sin(r.begin);
+    float hi = r.centre + r.half_width * sin(r.end);
+    float rounding = float(0.02) * sigma;
+    float exact = normal_part(lo <= open.x + rounding ? float(-1.0e3) : (lo - mean) * inv,
+                              hi >= open.y - rounding ? float(1.0e3) : (hi - mean) * inv).share;
     // Far from 1 it is the Gaussian that is wrong: a light that is bent in the lobe's measure.
     float least = count < 6 ? float(0.5) : float(0.9);
     return sum > float(1.0e-9) ? clamp(exact / sum, least, float(1.0) / least) : float(1.0);
@@ -264,9 +271,50 @@ TG_FN SliceCut cut_plane(SliceCut slice, vec3 n) {
     return cut_quadratic(slice, dot(n, slice.mirrored), dot(n, slice.turned), dot(n, slice.bent));
 }
 
+// As cut_cone, for narrow cones, from the point of the slice that is nearest to the axis: seen from a ridge far away both ends of a
+// narrow cone are one root to a float. Nothing is cut where the slice's whole circle of directions is about as narrow (found: false).
+struct NarrowCut {
+    SliceCut slice;
+    bool found;
+};
+
+TG_FN NarrowCut cut_narrow_cone(SliceCut slice, vec3 axis, float sine_of_half, float cosine) {
+    NarrowCut r;
+    r.slice = slice;
+    // L(t) = middle + first cos 2t + turned sin 2t.
+    vec3 first = (slice.mirrored - slice.bent) * float(0.5);
+    vec3 middle = (slice.mirrored + slice.bent) * float(0.5);
+    float twice = atan(dot(axis, slice.turned), dot(axis, first));
+    float c = cos(twice);
+    float s = sin(twice);
+    vec3 arm = first * c + slice.turned * s;
+    vec3 turned = slice.turned * c - first * s;
+    vec3 off = middle + arm - axis;
+    float c0 = float(2.0) * sine_of_half * sine_of_half - float(0.5) * dot(off, off);
+    float c1 = -dot(off, turned);
+    float c2 = dot(axis, middle - arm) - cosine;
+    r.found = c2 < float(-0.01);
+    if (r.found) {
+        float root = sqrt(max(c1 * c1 - c0 * c2, float(0.0)));
+        float y = tan(float(0.5) * twice);
+        float a = (root - c1) / c2;
+        float b = (-root - c1) / c2;
+        bool dark = c1 * c1 <= c0 * c2 || abs(twice) > float(2.8);
+        r.slice.lo = dark ? slice.lo : max(slice.lo, (y + a) / max(float(1.0) - y * a, float(1.0e-3)));
+        r.slice.hi = dark ? slice.lo : min(slice.hi, (y + b) / max(float(1.0) - y * b, float(1.0e-3)));
+    }
+    return r;
+}
+
 // Keeps what lies within the angle of a unit axis, of which the cosine and the sine of one half are given: by differences, for
 // cosines of small angles are all 1 to a float.
 TG_FN SliceCut cut_cone(SliceCut slice, vec3 axis, float sine_of_half, float cosine) {
+    if (sine_of_half < float(0.02)) {
+        NarrowCut narrow = cut_narrow_cone(slice, axis, sine_of_half, cosine);
+        if (narrow.found) {
+            return narrow.slice;
+        }
+    }
     vec3 off = slice.mirrored - axis;
     float c0 = float(2.0) * sine_of_half * sine_of_half - float(0.5) * dot(off, off);
     // dL/dy is perpendicular to L.
@@ -388,13 +436,14 @@ TG_FN SliceParts slice_nodes_fine(LobePencil p, SliceCut cut, float width) {
     float x1 = max(atan(s.hi) * scale, x0);
     bool split = s.hole_hi > s.hole_lo && s.hole_lo > s.lo && s.hole_hi < s.hi;
     float full = width * s.spread / TG_INV_SQRT_TAU;
-    float mean = normal_part(x0, x1).mean;
-    float shadow = clamp(atan(shadow_edge(p, s, tan(mean * s.spread))) * scale, x0, x1);
-    float mask = clamp(atan(masking_edge(p, s)) * scale, x0, x1);
-    // Bends outside the lit part leave their cuts to its smooth rest.
     NormalPart all = normal_part(x0, x1);
-    bool no_shadow = shadow <= x0 || shadow >= x1;
+    float shadow = clamp(atan(shadow_edge(p, s, tan(all.mean * s.spread))) * scale, x0, x1);
+    float mask = clamp(atan(masking_edge(p, s)) * scale, x0, x1);
+    // Bends outside the lit part, or so far off that little light is beyond them, leave their cuts to its smooth rest.
+    bool no_shadow = shadow <= x0 || shadow >= x1 || abs(shadow - all.mean) > float(2.6) * all.spread;
     bool no_mask = mask <= x0 || mask >= x1;
+    // The masking's bend is a slight one: from far off its cut serves the light between.
+    mask = clamp(mask, all.mean - float(1.5) * all.spread, all.mean + float(1.5) * all.spread);
     shadow = no_shadow ? all.mean + (no_mask ? float(0.55) * all.spread : float(0.0)) : shadow;
     mask = no_mask ? all.mean - (no_shadow ? float(0.55) * all.spread : float(0.0)) : mask;
     float first = clamp(min(shadow, mask), x0, x1);

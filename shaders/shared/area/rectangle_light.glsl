@@ -154,7 +154,9 @@ TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame axes, vec3 
     float per_a = (dot(across, r.pencil.outward) * hn - dot(across, r.pencil.normal) * ho) / (max(ho * ho + hn * hn, float(1.0e-12)) * length_o);
     float x = alpha + (a_lo - a0) * per_a;
     float y = alpha + (a_hi - a0) * per_a;
-    reach = vec2(max(reach.x, min(x, y)), min(reach.y, max(x, y)));
+    float width = pencil_width(r.pencil, widths);
+    vec2 open = vec2(max(-width, min(x, y)), min(width, max(x, y)));
+    reach = vec2(max(reach.x, open.x), min(reach.y, open.y));
     vec3 du = light.u * light.half_u;
     vec3 dv = light.v * light.half_v;
     r.edge_0 = unit_or_zero(cross(light.v, light.centre + du));
@@ -193,9 +195,9 @@ TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame axes, vec3 
     if (flat_light_height(light) <= float(0.0)) {
         ends = vec2(float(0.0), float(0.0));
     }
-    r.range = slice_range(ends, reach);
+    r.range = slice_range(ends, reach, float(1.0));
     float mean = alpha + (float(0.5) * (a_lo + a_hi) - a0) * per_a;
-    r.scale = slice_range_scale(r.range, reach, mean, float(0.5) * (a_hi - a_lo) * abs(per_a) / strip, count);
+    r.scale = slice_range_scale(r.range, open, mean, float(0.5) * (a_hi - a_lo) * abs(per_a) / strip, count);
     return r;
 }
 
