@@ -4,7 +4,7 @@ set-up; pictures of them are kept in the .blend."""
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -124,15 +124,25 @@ class RunJob(PhotographJob):
             )
         finally:
             photographs.close()
-        rows = np.concatenate([tiles.read(band) for band in range(tiles.bands)])
-        files.write_planes(self._oiio, target, self._core.CAPTURE_CHANNELS, rows)
+        channels = self._core.CAPTURE_CHANNELS
+        shown = channels.index("lobe.ln_mu_deg")
+        ln_mu = np.empty((tiles.height, tiles.width), np.float32)
+
+        def bands() -> Iterator[NDArray[np.float32]]:
+            begin = 0
+            for band in range(tiles.bands):
+                rows = tiles.read(band)
+                ln_mu[begin : begin + len(rows)] = rows[..., shown]
+                begin += len(rows)
+                yield rows
+
+        files.write_bands(self._oiio, target, channels, ln_mu.shape, bands())
         found = tiles.property_maps()
         self._keep(found["maps"], {"usable": found["usable"]})
         tiles.remove()
-        ln_mu = rows[..., self._core.CAPTURE_CHANNELS.index("lobe.ln_mu_deg")]
         return {
             "sentences": [
-                f"{rows.shape[1]} x {rows.shape[0]} pixels, "
+                f"{tiles.width} x {tiles.height} pixels, "
                 f"{1 - found['usable'].mean():.1%} of them flagged"
             ],
             "pictures": {"mu": grey_picture(ln_mu, found["usable"])},

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 import time
+import weakref
+from types import SimpleNamespace
 
 import bpy
+import mathutils
 import numpy as np
 import pytest
 from blade_outline import against_the_light
@@ -16,7 +19,12 @@ pytestmark = pytest.mark.usefixtures("addon")
 from togishi import blade_object, map_files, photographs, properties  # noqa: E402
 from togishi.core import landmarks, native  # noqa: E402
 from togishi.core import photographs as files  # noqa: E402
-from togishi.operators.landmarks import PLACES  # noqa: E402
+from togishi.operators.landmarks import (  # noqa: E402
+    PLACES,
+    TOGISHI_OT_landmark_mark,
+    TOGISHI_OT_landmark_pick,
+    _Click,
+)
 
 WIDTH, HEIGHT, SCALE = 400, 40, 0.5  # px, px, px/mm
 MIDDLE_MM = np.array([368.0, 0.0, -12.0])
@@ -165,6 +173,35 @@ def test_a_stack_of_many_lights_runs(tmp_path):
     assert np.exp(np.median(found)) == pytest.approx(8.0, rel=0.15)
     # Nothing of the run is left beside the maps.
     assert not list(tmp_path.glob(".*"))
+
+
+def test_bands_are_written_one_by_one(tmp_path):
+    image = np.random.default_rng(3).normal(size=(70, 33, 2)).astype(np.float32)
+    alive = []
+
+    def bands():
+        for begin in range(0, 70, 16):
+            assert len(alive) <= 1  # those before the last were let go
+            band = image[begin : begin + 16].copy()
+            weakref.finalize(band, alive.remove, begin)
+            alive.append(begin)
+            yield band
+            del band
+
+    path = tmp_path / "é bands.exr"
+    files.write_bands(image_io(), path, ["A", "B"], (70, 33), bands())
+    found = files.read_planes(image_io(), path)
+    for index, name in enumerate("AB"):
+        assert np.array_equal(found[name], image[..., index])
+
+    def breaks():
+        yield image[:16]
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        files.write_bands(image_io(), path, ["A", "B"], (70, 33), breaks())
+    assert np.array_equal(files.read_plane(image_io(), path, "A"), image[..., 0])
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
 
 
 def test_stopping_keeps_the_scene(tmp_path):
@@ -324,6 +361,111 @@ def test_a_pick_snaps_to_places_and_to_the_edge():
     inside = np.add(middle, [0.0, 2.0, 12.0])
     bpy.ops.view3d.togishi_landmark_pick(point_mm=inside)
     np.testing.assert_allclose(kept.landmarks[2].point_mm, inside, atol=1e-3)
+
+
+class Click(_Click):
+    """What the click operators share, with what it is asked."""
+
+    def __init__(self, hit: bool) -> None:
+        self.hit, self.asked, self.cursors = hit, [], []
+        window = SimpleNamespace(
+            cursor_modal_set=self.cursors.append,
+            cursor_modal_restore=lambda: self.cursors.append(None),
+        )
+        regions = [
+            SimpleNamespace(type="HEADER", x=0, y=0),
+            SimpleNamespace(type="WINDOW", x=30, y=40),
+        ]
+        self.context = SimpleNamespace(
+            window=window,
+            area=SimpleNamespace(regions=regions),
+            window_manager=SimpleNamespace(modal_handler_add=self.asked.append),
+        )
+
+    def where(self, _context, region, at) -> bool:
+        self.asked.append((region.type, at))
+        return self.hit
+
+    def execute(self, _context) -> set[str]:
+        self.asked.append("done")
+        return {"FINISHED"}
+
+    def event(self, kind: str, value: str = "PRESS") -> set[str]:
+        at = SimpleNamespace(type=kind, value=value, mouse_x=130, mouse_y=90)
+        return self.modal(self.context, at)
+
+
+def test_a_click_is_waited_for():
+    click = Click(hit=True)
+    assert click.begin(click.context) == {"RUNNING_MODAL"}
+    assert click.asked == [click] and click.cursors == ["CROSSHAIR"]
+    for kind, value in (
+        ("MOUSEMOVE", "NOTHING"),
+        ("LEFTMOUSE", "RELEASE"),
+        ("WHEELUPMOUSE", "PRESS"),
+    ):
+        assert click.event(kind, value) == {"PASS_THROUGH"}  # the view still turns
+    assert click.event("LEFTMOUSE") == {"FINISHED"}
+    assert click.asked[1:] == [("WINDOW", (100, 50)), "done"]
+    assert click.cursors == ["CROSSHAIR", None]
+    for kind in ("ESC", "RIGHTMOUSE"):
+        click = Click(hit=True)
+        assert click.event(kind) == {"CANCELLED"} and not click.asked and click.cursors == [None]
+    click = Click(hit=False)
+    assert click.event("LEFTMOUSE") == {"CANCELLED"} and click.asked == [("WINDOW", (100, 50))]
+
+
+def test_a_click_in_the_photograph_is_a_pixel(tmp_path):
+    add_katana()
+    choose(write_stack(tmp_path))
+    # The editor's view: 2 screen pixels a picture pixel, its lower left corner at (10, 20).
+    view = SimpleNamespace(
+        region_to_view=lambda x, y: ((x - 10) / (2 * WIDTH), (y - 20) / (2 * HEIGHT))
+    )
+    click = SimpleNamespace()
+    at = (10 + 2 * 100, 20 + 2 * 30)
+    assert TOGISHI_OT_landmark_mark.where(click, bpy.context, SimpleNamespace(view2d=view), at)
+    assert click.pixel == pytest.approx((100, HEIGHT - 30))
+
+
+def test_a_click_on_the_blade_is_its_place():
+    blade = add_katana()
+    # From half a metre before omote, 1 mm a pixel; the middle of the view on the blade.
+    mesh = blade_object.make(properties.katana_parameters(blade), blade.togishi.detail)
+    z_mm = mesh.positions_mm[np.abs(mesh.positions_mm[:, 0] - 368) < 5, 2].mean()
+    looking = blade.matrix_world @ mathutils.Matrix(
+        ((-1, 0, 0, 0.368), (0, 0, 1, 0.5), (0, 1, 0, z_mm / 1000), (0, 0, 0, 1))
+    )
+    view = looking.inverted()
+    span = mathutils.Matrix.Diagonal((2.0, 2.0, -0.01, 1.0))
+    region = SimpleNamespace(width=1000, height=1000)
+    space = SimpleNamespace(
+        region_3d=SimpleNamespace(
+            view_matrix=view,
+            perspective_matrix=span @ view,
+            is_perspective=False,
+            view_perspective="ORTHO",
+        )
+    )
+    said = []
+    click = SimpleNamespace(report=lambda _kind, text: said.append(text))
+    context = SimpleNamespace(
+        scene=bpy.context.scene,
+        space_data=space,
+        object=blade,
+        active_object=blade,
+        selected_objects=[blade],
+        view_layer=bpy.context.view_layer,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+    )
+    assert TOGISHI_OT_landmark_pick.where(click, context, region, (500, 500)), said
+    np.testing.assert_allclose(click.point_mm[::2], (368, z_mm), atol=0.5)
+    assert 0.0 < click.point_mm[1] < 5.0  # omote's skin
+    assert TOGISHI_OT_landmark_pick.where(click, context, region, (480, 505))
+    # x runs to the left from here.
+    np.testing.assert_allclose(click.point_mm[::2], (388, z_mm + 5), atol=0.5)
+    assert not TOGISHI_OT_landmark_pick.where(click, context, region, (500, 900))
+    assert said == ["No blade is there"]
 
 
 def test_bad_input_changes_nothing(tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
@@ -130,19 +130,33 @@ class Photographs:
             source.close()
 
 
-def write_planes(oiio: ModuleType, path: Path, names: Sequence[str], pixels: F32) -> None:
-    """(H, W, C), the top row first, as OpenEXR with named channels: whole or not at all."""
-    height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(width, height, channels, "float")
+def write_bands(
+    oiio: ModuleType, path: Path, names: Sequence[str], size: tuple[int, int], bands: Iterable[F32]
+) -> None:
+    """Bands of rows (N, W, C), the top one first, as one OpenEXR file of (H, W) = size with named channels: whole or
+    not at all, and no more than two bands in memory."""
+    height, width = size
+    spec = oiio.ImageSpec(width, height, len(names), "float")
     spec.channelnames = tuple(names)
     spec.attribute("compression", "zip")
     spec.attribute("oiio:ColorSpace", "Raw")
     with atomic.replacing(path) as temporary:
         output = oiio.ImageOutput.create(str(temporary))
         good = output is not None and output.open(str(temporary), spec)
-        good = good and output.write_image(np.ascontiguousarray(pixels, np.float32))
+        begin = 0
+        for band in bands:
+            end = begin + len(band)
+            rows = np.ascontiguousarray(band, np.float32)
+            good = good and output.write_scanlines(begin, end, 0, rows)
+            begin = end
         if not (good and output.close()):
             raise OSError(f"{path}: {oiio.geterror() if output is None else output.geterror()}")
+
+
+def write_planes(oiio: ModuleType, path: Path, names: Sequence[str], pixels: F32) -> None:
+    """(H, W, C), the top row first, as OpenEXR with named channels: whole or not at all."""
+    height, width = pixels.shape[:2]
+    write_bands(oiio, path, names, (height, width), [pixels])
 
 
 def read_plane(oiio: ModuleType, path: Path, name: str) -> F32:
