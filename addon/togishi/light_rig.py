@@ -78,6 +78,17 @@ def _aim(obj: bpy.types.Object, position: Vector, target: Vector) -> None:
     obj.rotation_euler = (target - position).to_track_quat("-Z", "Y").to_euler()
 
 
+def _move(obj: bpy.types.Object, scene: bpy.types.Scene, way: Vector) -> None:
+    """Keys on the place: from where it stands at the scene's first frame, by `way` at its last."""
+    start = obj.location.copy()
+    obj.keyframe_insert("location", frame=scene.frame_start)
+    obj.location = start + way
+    obj.keyframe_insert("location", frame=max(scene.frame_end, scene.frame_start + 1))
+    obj.animation_data.action[MARK] = True
+    share = (scene.frame_current - scene.frame_start) / max(scene.frame_end - scene.frame_start, 1)
+    obj.location = start + way * min(max(share, 0.0), 1.0)
+
+
 def set_spectrum(light: bpy.types.Light, kind: str, temperature_k: float = 0.0) -> None:
     settings = light.togishi
     settings.kind = kind
@@ -118,7 +129,10 @@ def clear(scene: bpy.types.Scene) -> None:
                 collection.objects.unlink(obj)
                 continue
             data = obj.data
+            action = obj.animation_data.action if obj.animation_data else None
             bpy.data.objects.remove(obj)
+            if action is not None and action.get(MARK) and action.users == 0:
+                bpy.data.actions.remove(action)
             if isinstance(data, bpy.types.Light) and data.users == 0:
                 bpy.data.lights.remove(data)
 
@@ -170,7 +184,11 @@ def add_lamps(
         else:
             # Irradiance is power over distance squared, in scene units.
             light.energy = lamp.power_w * strength * (half / 0.5) ** 2
-            light.shadow_soft_size = lamp.radius * half
+            if lamp.kind == "AREA":
+                light.shape = "RECTANGLE"
+                light.size, light.size_y = (size * half for size in lamp.size)
+            else:
+                light.shadow_soft_size = lamp.radius * half
         if lamp.kind == "SPOT":
             light.spot_size = math.radians(lamp.cone_deg)
             light.spot_blend = lamp.blend
@@ -179,7 +197,15 @@ def add_lamps(
         obj[MARK] = True
         obj.location = position
         _aim(obj, position, aim)
+        if lamp.kind == "AREA":
+            # The long side along the blade.
+            back = (position - aim).normalized()
+            along = (frame.along - back * frame.along.dot(back)).normalized()
+            axes = Matrix((along, back.cross(along), back)).transposed()
+            obj.rotation_euler = axes.to_euler()
         collection.objects.link(obj)
+        if lamp.to_along is not None:
+            _move(obj, scene, frame.along * ((lamp.to_along - lamp.along) * half))
         made.append(obj)
     if set_world:
         world = scene.world or bpy.data.worlds.new("World")

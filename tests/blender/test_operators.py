@@ -290,6 +290,38 @@ def test_light_presets_reach_the_blade(preset):
     assert len([o for o in bpy.data.objects if o.type == "LIGHT"]) == len(chosen.lamps)
 
 
+def test_soft_box_lies_along_the_blade():
+    obj = add_katana()
+    (box,) = light_rig.add(bpy.context.scene, obj, "SOFT_BOX")
+    bpy.context.view_layer.update()
+    frame = light_rig.frame_of(obj)
+    assert box.data.shape == "RECTANGLE"
+    assert box.data.size == pytest.approx(2.4 * frame.half_length)
+    assert box.data.size_y == pytest.approx(0.4 * frame.half_length)
+    turned = box.matrix_world.to_3x3()
+    assert abs((turned @ Vector((1.0, 0.0, 0.0))).dot(frame.along)) > 0.99
+    # Its face looks at the blade.
+    towards = (frame.middle - box.location).normalized()
+    assert (turned @ Vector((0.0, 0.0, -1.0))).dot(towards) > 0.99
+
+
+def test_inspection_lamp_moves_along_the_blade_and_leaves_nothing_behind():
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 10, 50
+    scene.frame_set(10)
+    obj = add_katana()
+    (bulb,) = light_rig.add(scene, obj, "INSPECTION")
+    frame = light_rig.frame_of(obj)
+    places = []
+    for number in (10, 30, 50):
+        scene.frame_set(number)
+        places.append((bulb.matrix_world.translation - frame.middle).dot(frame.along))
+    half = frame.half_length
+    assert places == pytest.approx([-0.75 * half, 0.0, 0.75 * half], abs=5e-3)
+    light_rig.clear(scene)
+    assert not bpy.data.actions
+
+
 def test_preset_irradiance_does_not_depend_on_the_blades_length():
     sums = []
     for nagasa in (400.0, 800.0):

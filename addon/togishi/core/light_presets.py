@@ -16,7 +16,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Lamp:
     name: str
-    kind: str  # POINT, SPOT or SUN
+    kind: str  # POINT, SPOT, SUN or AREA
     along: (
         float  # in half lengths, from the middle towards the tip; of a sun: slope of its direction
     )
@@ -28,6 +28,8 @@ class Lamp:
     cone_deg: float = 60.0
     blend: float = 0.6
     radius: float = 0.0  # in half lengths; above 0 the lamp is lit by its size, which costs more
+    size: tuple[float, float] = (0.0, 0.0)  # AREA: along the blade and across it, in half lengths
+    to_along: float | None = None  # the lamp moves to there over the scene's frames
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,27 @@ PRESETS = (
         0.004,
     ),
     LightPreset(
+        "SOFT_BOX",
+        "Overhead soft box",
+        "One long daylight soft box above the blade, black surroundings: its soft edge runs along the hamon",
+        (Lamp("Soft box", "AREA", 0.0, 13.0, 1.5, 1.6, "D50", size=(2.4, 0.4)),),
+        0.002,
+    ),
+    LightPreset(
+        "RAKING_STRIP",
+        "Raking strip",
+        "A narrow strip light far off the mirror direction: the hamon alone, against a black ji",
+        (Lamp("Strip", "AREA", 0.0, 16.0, 1.3, 4.5, "D50", size=(2.6, 0.06)),),
+        0.002,
+    ),
+    LightPreset(
+        "WINDOW",
+        "Window light",
+        "A north window towards the tip and a dim room: cool, falling off to the nakago",
+        (Lamp("Window", "AREA", 0.5, 12.0, 3.0, 9.0, "daylight", 7500.0, size=(1.2, 0.9)),),
+        0.006,
+    ),
+    LightPreset(
         "SUN",
         "Sun",
         "Afternoon sun and a bluish sky",
@@ -93,6 +116,26 @@ PRESETS = (
             for i, x in enumerate((-0.85, -0.3, 0.3, 0.85))
         ),
         0.003,
+    ),
+    LightPreset(
+        "INSPECTION",
+        "Inspection lamp, moved",
+        "A bare bulb moved along the blade over the scene's frames, as for drawing an oshigata",
+        (
+            Lamp(
+                "Bulb",
+                "POINT",
+                -0.75,
+                7.5,
+                1.1,
+                6.0,
+                "blackbody",
+                2856.0,
+                radius=0.04,
+                to_along=0.75,
+            ),
+        ),
+        0.001,
     ),
     LightPreset(
         "SODIUM_STREET",
