@@ -1,10 +1,21 @@
 // An HDRI mirrored by a lobe: round taps along the long axis of what the lobe sees of it (shared/area/environment_taps.glsl), each with
-// Fresnel and shadowing of its own facet. Behind areas.glsl, whose lobes and nodes it shares.
+// Fresnel and shadowing of its own facet. Where many samples are gathered, each takes facets drawn from the lobe instead, so that the sum
+// converges. Behind areas.glsl, whose lobes and nodes it shares.
 #include "viewport/environment_read.glsl"
 
 // Taps: while something moves, and at rest.
 #define TG_TAPS_MOVING 5
 #define TG_TAPS_RESTING 25
+// Facets of each sample, from so many samples on.
+#define TG_DRAWN_FACETS 16
+#define TG_LEAST_SERIES 16.0
+
+// Point k of a series (Roberts 2018) as two standard normal numbers (Box and Muller).
+vec2 normal_point(int k) {
+    vec2 u = fract(vec2(0.5, 0.5) + float(k) * vec2(0.7548776662466927, 0.5698402909980532));
+    float turn = 2.0 * TG_PI * u.y;
+    return sqrt(-2.0 * log(max(1.0 - u.x, 1.0e-7))) * vec2(cos(turn), sin(turn));
+}
 
 // What the lobe reflects of the surroundings, without the weight of the lobe and the world's colour.
 vec3 environment_reflection(AreaLobe q) {
@@ -34,17 +45,27 @@ vec3 environment_reflection(AreaLobe q) {
     int count = frame.view.z < 8.0 ? TG_TAPS_MOVING : TG_TAPS_RESTING;
     EnvironmentTaps taps = environment_taps(aspect, count);
     float sigma = sqrt(minor);
-    vec3 turn = (e1 * axis.x + e2 * (axis.y / cosine)) * (0.5 * sigma);
-    float size = max(length(turn), 1.0e-12);
-    vec3 turn_axis = turn / size;
-    float variance = minor * taps.width * taps.width;
+    vec3 long_turn = (e1 * axis.x + e2 * (axis.y / cosine)) * (0.5 * sigma);
+    vec3 short_turn = (e2 * (axis.x / cosine) - e1 * axis.y) * (0.5 * sigma);
+    bool drawn = frame.series.y >= TG_LEAST_SERIES;
+    int drawn_before = int(frame.series.x) * TG_DRAWN_FACETS;
+    // Each drawn facet stands for what lies around it: the more, the less; its own width is no part of the spread of all.
+    float own = 0.8 * sqrt(2.0 * TG_PI * min(aspect, 20.0) / (frame.series.y * float(TG_DRAWN_FACETS)));
+    own = clamp(own, 0.01, 0.9);
+    vec2 drawn_spread = sqrt(vec2(min(aspect * aspect, 400.0), 1.0) - vec2(own * own));
+    count = drawn ? TG_DRAWN_FACETS : count;
+    float variance = minor * (drawn ? own * own : taps.width * taps.width);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int k = 0; k < count; ++k) {
-        float place = environment_tap_place(taps, count, k);
-        float weight = environment_tap_weight(taps, place);
+        vec2 place = vec2(environment_tap_place(taps, count, k), 0.0);
+        float weight = drawn ? 1.0 : environment_tap_weight(taps, place.x);
+        place = drawn ? normal_point(drawn_before + k) * drawn_spread : place;
         weights += weight;
-        float angle = clamp(place * size, -1.5, 1.5);
+        vec3 turn = long_turn * place.x + short_turn * place.y;
+        float angle = length(turn);
+        vec3 turn_axis = turn / max(angle, 1.0e-12);
+        angle = min(angle, 1.5);
         vec3 h = q.axes.normal * cos(angle) + turn_axis * sin(angle);
         LightNode node;
         node.v_dot_h = min(dot(q.view, h), 1.0);
@@ -53,7 +74,7 @@ vec3 environment_reflection(AreaLobe q) {
         node.n_dot_l = dot(q.axes.normal, node.direction);
         bool lit = node.n_dot_l > TG_MIN_COS && node.v_dot_h > 0.0;
         // The lobe's measure on the sphere of facets against that on its plane.
-        float sphere = abs(angle) > 1.0e-3 ? sin(angle) / angle : 1.0;
+        float sphere = angle > 1.0e-3 ? sin(angle) / angle : 1.0;
         // Across the plane of V and H, turns grow with V.H.
         float grown = node.v_dot_h / cosine;
         float wide = variance * mix(1.0, grown * grown, axis.x * axis.x);

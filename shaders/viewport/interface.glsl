@@ -9,6 +9,7 @@ struct TgFrame {
                  // what a sample stands for, in pixels
     vec4 world;  // rgb of the surroundings before its spectrum, row in the table
     vec4 counts; // points, spots, suns, level-of-detail bias
+    vec4 series; // of a picture gathered from samples that are known beforehand: this sample's number, how many; else 0, 1
 };
 
 // Points, then spots, then suns.

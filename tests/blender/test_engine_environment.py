@@ -153,6 +153,16 @@ def test_agrees_with_brute_force(scenes, renderer, case):
         )
         assert error.max() <= most
         assert error.mean() <= mean
+    for samples, most, mean in ((16, 1.5, 0.2), (64, 1.0, 0.06)):
+        total = np.zeros((*SIZE, 3))
+        for number in range(samples):
+            series = {"series": (number, samples)}
+            picture = renderer.draw(scene, camera, SIZE, float32=True, **series)
+            total += picture.read()[..., :3] / samples
+        error = 100.0 * np.abs(total[chosen] - expected) / expected.max()
+        print(f"{case}, {samples} samples: max {error.max():.2f} %, mean {error.mean():.3f} %")
+        assert error.max() <= most
+        assert error.mean() <= mean
 
 
 def test_a_white_room_is_a_uniform_room(scenes, renderer):

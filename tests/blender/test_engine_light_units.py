@@ -232,3 +232,79 @@ def test_temperature_keeps_the_luminance(addon, tmp_path):
     luminance = np.asarray((0.2126, 0.7152, 0.0722))
     assert ours @ luminance == pytest.approx(cycles @ luminance, rel=0.02)
     np.testing.assert_allclose(ours, cycles, rtol=0.05)
+
+
+def hdri_picture(engine: str, kind: str, sun: float, path: str) -> np.ndarray:
+    """(24, 32, 3) linear RGB: a grey card in the left half of a view into an HDRI that is turned about all axes."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    mesh = bpy.data.meshes.new("card")
+    mesh.from_pydata([(0, -9, -9), (9, -9, -9), (9, -9, 9), (0, -9, 9)], [], [(0, 1, 2, 3)])
+    scene.collection.objects.link(bpy.data.objects.new("card", mesh))
+    material = bpy.data.materials.new("grey")
+    material.use_nodes = True
+    material.node_tree.nodes.clear()
+    diffuse = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
+    output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    mesh.materials.append(material)
+    u, v = np.meshgrid((np.arange(128) + 0.5) / 128, (np.arange(64) + 0.5) / 64)
+    pixels = np.ones((64, 128, 4), np.float32)
+    for channel in range(3):
+        wave = np.cos(2.0 * math.pi * (u * (channel + 1) + 0.2 * channel)) * np.sin(math.pi * v)
+        pixels[..., channel] = 1.0 + 0.6 * wave + 0.3 * np.cos(math.pi * v)
+    if sun:
+        pixels[30, 30, :3] = sun
+    image = bpy.data.images.new("hdri", 128, 64, float_buffer=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    scene.world = bpy.data.worlds.new("room")
+    scene.world.use_nodes = True
+    tree = scene.world.node_tree
+    texture, mapping, coordinate = (
+        tree.nodes.new(f"ShaderNode{name}") for name in ("TexEnvironment", "Mapping", "TexCoord")
+    )
+    texture.image = image
+    mapping.vector_type = kind
+    mapping.inputs["Rotation"].default_value = (0.3, -0.5, 0.9)
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = 0.7
+    tree.links.new(coordinate.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
+    tree.links.new(texture.outputs[0], background.inputs["Color"])
+    data = bpy.data.cameras.new("camera")
+    data.lens = 18.0
+    camera = bpy.data.objects.new("camera", data)
+    # Along -y, the card facing it.
+    camera.rotation_euler = (math.radians(90.0), 0.0, math.radians(180.0))
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    render = scene.render
+    render.resolution_x, render.resolution_y = 32, 24
+    render.engine = engine
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.filepath = path
+    if engine == "CYCLES":
+        scene.cycles.samples = 128
+        scene.cycles.use_denoising = False
+        scene.cycles.max_bounces = 0
+    bpy.ops.render.render(write_still=True)
+    return np.array(bpy.data.images.load(path).pixels[:]).reshape(24, 32, 4)[..., :3]
+
+
+@pytest.mark.parametrize(("kind", "sun"), [("POINT", 0.0), ("TEXTURE", 3.0e3)])
+def test_hdri_as_in_cycles(addon, tmp_path, kind, sun):
+    """Which way it lies, its strength, the light that it throws on a card; with a sun in it."""
+    ours = hdri_picture("TOGISHI", kind, sun, str(tmp_path / "ours.exr"))
+    cycles = hdri_picture("CYCLES", kind, sun, str(tmp_path / "cycles.exr"))
+    # The camera looks along -y: x grows to the left.
+    halves = {"ground": slice(18, 32), "card": slice(0, 14)}
+    assert ours[:, halves["card"]].std(axis=(0, 1)).max() < 0.01, "the card is evenly lit"
+    ground = ours[:, halves["ground"]], cycles[:, halves["ground"]]
+    usual = ground[1].max(axis=-1) < 3.0
+    np.testing.assert_allclose(ground[0][usual], ground[1][usual], rtol=0.03)
+    mine, theirs = (picture[:, halves["card"]].mean(axis=(0, 1)) for picture in (ours, cycles))
+    print(mine, theirs)
+    np.testing.assert_allclose(mine, theirs, rtol=0.02)

@@ -85,14 +85,17 @@ def frame_block(
     lod_bias: float,
     slices: int = 0,
     pixel: float = 1.0,
+    series: tuple[int, int] = (0, 1),
 ) -> F32:
-    """TgFrame. slices: of the lobe for each lamp of a size; pixel: width of what a sample stands for, in pixels."""
-    block = np.zeros((8, 4), np.float32)
+    """TgFrame. slices: of the lobe for each lamp of a size; pixel: width of what a sample stands for, in pixels;
+    series: number of this sample, of how many."""
+    block = np.zeros((9, 4), np.float32)
     block[0:4] = camera.projection.T  # columns
     block[4] = camera.ray
     block[5] = (float(camera.orthographic), counts.areas, slices, pixel)
     block[6] = (*world_rgb, world_row)
     block[7] = (counts.points, counts.spots, counts.suns, lod_bias)
+    block[8, :2] = series
     return block
 
 

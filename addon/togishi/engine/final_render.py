@@ -65,7 +65,7 @@ def render_final(
         tile_size = (tile.width, tile.height)
         tile_camera = Camera(camera.view, crop(camera.projection, size, tile))
         gathering = Gathering(renderer, tile_size)
-        for x, y in offsets.tolist():
+        for number, (x, y) in enumerate(offsets.tolist()):
             picture = renderer.draw(
                 scene,
                 tile_camera,
@@ -73,6 +73,7 @@ def render_final(
                 jitter=(x, y),
                 float32=True,
                 lod_bias=lod_bias_of(samples),
+                series=(number, samples),
             )
             gathering.add(picture, 1.0 / samples)
             done += 1

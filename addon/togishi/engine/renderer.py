@@ -217,6 +217,7 @@ class Renderer:
         self._has_areas = False
         self._environment: _GpuEnvironment | None = None
         self._slices = RESTING_SLICES
+        self._series = (0, 1)
         self._prepared: tuple[object, ...] = ()
 
     # --- pictures -------------------------------------------------------------------------------
@@ -233,12 +234,14 @@ class Renderer:
         bench_61: bool = False,
         every_lamp: bool = False,
         moving: bool = False,
+        series: tuple[int, int] = (0, 1),
     ) -> Picture:
         """Colour (half float, or float32) of one sample per pixel. Leaves the GPU state as it found it.
 
         lod_bias: added to the level of maps; -log2(samples)/2 where samples are gathered. Highlights are filtered over as
         much less of a pixel.
         moving: lamps of a size by few slices of the lobe; else as they are in a final picture.
+        series: number of this sample, of how many that are added up: an HDRI is then mirrored by other facets in each.
         bench_61, every_lamp: slower ways to the same picture, for benchmarks (steel_light_program).
 
         Polished steel is drawn in two halves: its triangles leave normal, depth and lobes, then every pixel
@@ -248,6 +251,7 @@ class Renderer:
         output_max = shader_source.FLOAT_MAX if float32 else shader_source.HALF_MAX
         self._prepare(scene, output_max, bench_61, every_lamp, moving)
         space = packing.view_space(camera, size, jitter)
+        self._series = series
         targets = self._targets_of(size, "RGBA32F" if float32 else "RGBA16F")
         background = self._background(scene, output_max)
         with _DrawState():
@@ -428,7 +432,9 @@ class Renderer:
         counts = self._passes[index].counts
         # Twice the distance between samples, so that what is narrower than it is not missed between two.
         pixel = min(2.0 * 2.0**lod_bias, 1.0)
-        content = packing.frame_block(space, world, 0, counts, lod_bias, self._slices, pixel)
+        content = packing.frame_block(
+            space, world, 0, counts, lod_bias, self._slices, pixel, self._series
+        )
         self._set(self._block("frame"), content)
 
     def _set_lights(self, space: ViewSpace, index: int) -> None:
