@@ -153,7 +153,7 @@ class RunJob(PhotographJob):
 
 
 class ProjectJob(PhotographJob):
-    """Maps onto the chart of the blade. Result: as togishi_core.capture_project, and "camera" and "outline" where the
+    """Maps onto the chart of the blade, those of `earlier` set-ups too. Result: as togishi_core.capture_project, and "camera" and "outline" where the
     camera was refined here."""
 
     def _refined(self) -> Any:
@@ -168,17 +168,25 @@ class ProjectJob(PhotographJob):
     def _compute(self) -> Any:
         refined = self._refined()
         camera = self._state["camera"] if refined is None else refined.camera
-        usable = files.read_plane(self._oiio, quality_path(self._path), "usable") > 0.5
-        photograph = {
-            "maps": map_files.load(maps_path(self._path)),
-            "usable": usable,
-            "camera": camera,
-            "frame": self._state["frame"],
-        }
-        self._progress(0.2)
+        mine = {"path": self._path, "camera": camera, "frame": self._state["frame"]}
+        every = [
+            {
+                "maps": map_files.load(maps_path(Path(one["path"]))),
+                "usable": files.read_plane(self._oiio, quality_path(Path(one["path"])), "usable")
+                > 0.5,
+                "camera": one["camera"],
+                "frame": one["frame"],
+            }
+            for one in (*self._state["earlier"], mine)
+        ]
         width, height = self._state["size"]
         found = self._core.capture_project(
-            self._state["blade"], [photograph], width, height, detail=self._state["detail"]
+            self._state["blade"],
+            every,
+            width,
+            height,
+            detail=self._state["detail"],
+            progress=self._progress,
         )
         found["camera"] = None if refined is None else refined.camera
         found["outline"] = None if refined is None else refined.outline
@@ -234,6 +242,17 @@ class TogishiLandmark(bpy.types.PropertyGroup):
     )
 
 
+class TogishiEarlier(bpy.types.PropertyGroup):
+    """A set-up whose maps were found before, from where another photograph of the blade was taken."""
+
+    filepath: StringProperty(name="Set-up", subtype="FILE_PATH")
+    camera_json: StringProperty(name="Camera", options={"HIDDEN"})
+    frame: StringProperty(name="Frame", options={"HIDDEN"})
+    use: BoolProperty(
+        name="Use", description="Whether 'Apply to Blade' blends its maps in", default=True
+    )
+
+
 class TogishiPhotographs(bpy.types.PropertyGroup):
     """The photographs that this scene's blade was taken from."""
 
@@ -268,6 +287,7 @@ class TogishiPhotographs(bpy.types.PropertyGroup):
     )
     landmarks: CollectionProperty(type=TogishiLandmark)
     active_landmark: IntProperty(name="Landmark", description="Which landmark is marked next")
+    earlier: CollectionProperty(type=TogishiEarlier)
     photograph: PointerProperty(
         type=bpy.types.Image,
         name="Photograph",
@@ -302,6 +322,15 @@ def state_of(kept: TogishiPhotographs) -> dict[str, Any]:
         "camera": json.loads(kept.camera_json) if kept.camera_json else None,
         "on_outline": kept.outline_mm >= 0.0,
         "frame": kept.frame or "surface",
+        "earlier": [
+            {
+                "path": bpy.path.abspath(one.filepath),
+                "camera": json.loads(one.camera_json),
+                "frame": one.frame,
+            }
+            for one in kept.earlier
+            if one.use
+        ],
     }
 
 
@@ -316,6 +345,17 @@ def keep_fit(kept: TogishiPhotographs, fit: Mapping[str, Any] | None, offset: in
     used = [one for one in kept.landmarks if one.has_point and one.has_pixel]
     for one, residual in zip(used, fit["residual_mm"][offset:], strict=False):
         one.residual_mm = float(residual)
+
+
+def keep_earlier(kept: TogishiPhotographs, chosen: str) -> None:
+    """What is known of the present set-up, before another is chosen: one whose maps were found is blended in later."""
+    for index in reversed(range(len(kept.earlier))):
+        if kept.earlier[index].filepath in (chosen, kept.filepath):
+            kept.earlier.remove(index)
+    if kept.found and kept.camera_json and kept.filepath != chosen:
+        one = kept.earlier.add()
+        one.filepath, one.camera_json = kept.filepath, kept.camera_json
+        one.frame = kept.frame
 
 
 def keep_camera(
@@ -338,7 +378,7 @@ def keep_picture(
     return data_blocks.write_picture(name, existing if own else None, pixels)
 
 
-_CLASSES = (TogishiLandmark, TogishiPhotographs)
+_CLASSES = (TogishiLandmark, TogishiEarlier, TogishiPhotographs)
 
 
 def register() -> None:

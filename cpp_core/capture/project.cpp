@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "bake/map_repair.hpp"
 #include "base/error.hpp"
@@ -182,7 +184,7 @@ f64::LobeMoments moments_at(const PropertyMaps& maps, MapChannel first, std::siz
 }  // namespace
 
 ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMap>& photographs,
-                           const ProjectOptions& options) {
+                           const ProjectOptions& options, const ProjectProgress& progress) {
     if (photographs.empty()) throw InputError("project", "photographs", "none", "one or more");
     if (options.width < 1 || options.height < 1 || options.width > 32768 || options.height > 32768)
         throw InputError("project", "size",
@@ -322,10 +324,13 @@ ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMa
         }
         return texel;
     };
+    std::size_t rows_done = 0;
+    std::atomic<bool> cancelled{false};
+    std::mutex telling;
     parallel_for(
         options.height, 1,
         [&](std::size_t begin, std::size_t end) {
-            for (std::size_t ty = begin; ty < end; ++ty) {
+            for (std::size_t ty = begin; ty < end && !cancelled; ++ty) {
                 for (std::size_t tx = 0; tx < options.width; ++tx) {
                     const std::size_t i = ty * options.width + tx;
                     if (chart.on[i] == 0) continue;
@@ -347,9 +352,15 @@ ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMa
                     maps[MapChannel::h][i] =
                         static_cast<float>(texel.h_weight > 0 ? texel.h / texel.h_weight : 0.0);
                 }
+                if (progress) {
+                    const std::scoped_lock lock(telling);
+                    const auto done = static_cast<double>(++rows_done);
+                    if (!progress(done / static_cast<double>(options.height))) cancelled = true;
+                }
             }
         },
         options.threads);
+    if (cancelled) throw ProjectCancelled{};
     for (std::size_t i = 0; i < n; ++i) {
         if (chart.on[i] == 0) continue;
         ++result.on_blade;

@@ -2,6 +2,7 @@
 // own chart.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,13 +40,19 @@ struct ProjectResult {
     std::size_t holes = 0;        ///< of them without a photograph
 };
 
+/// Called with the share done; false cancels.
+using ProjectProgress = std::function<bool(double)>;
+struct ProjectCancelled {};
+
 /// A texel is the mean over its own area of the pixels that it covers: each lobe by its second
 /// moments weighted with its share, as mip levels are made (bake/map_mips.hpp), directions turned
 /// from the photograph's frame into the blade's. Photographs are blended by how square they look at
 /// a place, how far it is from where their border cuts the blade off and from masked pixels. Throws
 /// InputError: no photograph, a map that does not fit its camera, a blade that no photograph shows.
+/// ProjectCancelled.
 [[nodiscard]] ProjectResult project_maps(const KatanaMesh& mesh,
                                          const std::vector<ProjectedMap>& photographs,
-                                         const ProjectOptions& options);
+                                         const ProjectOptions& options,
+                                         const ProjectProgress& progress = {});
 
 }  // namespace togishi

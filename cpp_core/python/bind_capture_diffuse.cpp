@@ -178,13 +178,7 @@ py::dict run(const CaptureSetup& given, const py::object& read_picture, const py
              const py::object& progress) {
     CaptureSetup setup = given;
     const Chosen chosen = chosen_from(setup, options);
-    DiffuseProgress report;
-    if (!progress.is_none()) {
-        report = [&progress](double done) {
-            const py::gil_scoped_acquire acquire;
-            return progress(done).ptr() != Py_False;
-        };
-    }
+    const DiffuseProgress report = progress_of(progress);
     const CapturePictureReader read = reader_of(read_picture);
     DiffuseResult result;
     try {

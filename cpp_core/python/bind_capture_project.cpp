@@ -112,7 +112,7 @@ ProjectedMap photograph_from(const py::handle& mapping, std::size_t number) {
 }
 
 py::dict project(const py::object& parameters, const py::object& photographs, std::size_t width,
-                 std::size_t height, double feather_px, double detail) {
+                 std::size_t height, double feather_px, double detail, const py::object& progress) {
     const KatanaParameters blade = katana_from_python(parameters);
     std::vector<ProjectedMap> all;
     for (const auto& one : photographs) all.push_back(photograph_from(one, all.size() + 1));
@@ -120,10 +120,14 @@ py::dict project(const py::object& parameters, const py::object& photographs, st
     options.width = width;
     options.height = height;
     options.feather_px = feather_px;
+    const ProjectProgress report = progress_of(progress);
     ProjectResult result;
-    {
+    try {
         const py::gil_scoped_release release;
-        result = project_maps(make_katana(blade, detail), all, options);
+        result = project_maps(make_katana(blade, detail), all, options, report);
+    } catch (const ProjectCancelled&) {
+        PyErr_SetString(PyExc_InterruptedError, "capture project: cancelled");
+        throw py::error_already_set();
     }
     py::dict d;
     d["maps"] = dict_from_maps(std::move(result.maps));
@@ -151,6 +155,7 @@ void bind_capture_project(py::module_& m) {
     m.def("capture_project", &project, py::arg("katana_parameters"), py::arg("photographs"),
           py::arg("width") = 4096, py::arg("height") = 512, py::kw_only(),
           py::arg("feather_px") = ProjectOptions{}.feather_px, py::arg("detail") = 1.0,
+          py::arg("progress") = py::none(),
           "Maps of photographs onto the blade's own chart: each texel from the pixels it covers.");
 }
 

@@ -195,6 +195,14 @@ py::dict dict_from_outline(const SilhouetteFit& fit) {
     return d;
 }
 
+std::function<bool(double)> progress_of(const py::object& progress) {
+    if (progress.is_none()) return {};
+    return [&progress](double done) {
+        const py::gil_scoped_acquire acquire;
+        return progress(done).ptr() != Py_False;
+    };
+}
+
 py::array_t<std::uint8_t> array_of(const Picture& picture) {
     return py::array_t<std::uint8_t>({picture.height, picture.width, 3}, picture.rgb.data());
 }

@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,10 @@ class OptionReader {
 [[nodiscard]] pybind11::dict dict_from_fit(const CameraFit& fit);
 
 [[nodiscard]] pybind11::dict dict_from_outline(const SilhouetteFit& fit);
+
+/// A Python callable, or None, as a native progress: what it answers, called with the GIL; it has
+/// to live as long as the result.
+[[nodiscard]] std::function<bool(double)> progress_of(const pybind11::object& progress);
 
 /// (H, W, 3) uint8, the top row first.
 [[nodiscard]] pybind11::array_t<std::uint8_t> array_of(const Picture& picture);

@@ -55,6 +55,12 @@ def light_rgb(
 def xyz_to_rgb(space: str) -> F64:
     """(3, 3) matrix from XYZ to linear RGB of the space."""
 
+def adapt_rgb(
+    light: str, observer: str = "cie1931_2", space: str = "rec709", adaptation: str = "cat16"
+) -> F64:
+    """(3, 3) matrix on linear RGB of the space: what an eye sees that is adapted to the white of `light`, which becomes
+    the space's white. A light too saturated to be a white is an InputError."""
+
 def delta_e00(xyz_a: F64, xyz_b: F64, white_xyz: F64) -> F64:
     """CIEDE2000 per row of two (N, 3) arrays; Lab under white_xyz (3,)."""
 
@@ -411,10 +417,12 @@ def capture_project(
     *,
     feather_px: float = 0.0,
     detail: float = 1.0,
+    progress: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
     """Maps of photographs onto the blade's own chart. photographs: [{"maps" (row 0 the lowest), "camera", "usable" (top
     row first, may be left out), "frame": "surface" or "image"}]. {"maps", "coverage" (H, W; 0: a hole), "on_blade" and
-    "holes" texels}. feather_px: over which a photograph fades towards its border; 0: all of it."""
+    "holes" texels}. feather_px: over which a photograph fades towards its border; 0: all of it. progress: called with
+    the share done; returning False cancels with InterruptedError."""
 
 # --- the shared formulas, for tests -------------------------------------------------------------
 

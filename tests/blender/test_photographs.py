@@ -161,6 +161,43 @@ def test_diffuse_plan_run_apply_and_undo(tmp_path):
     assert bpy.data.materials[material].togishi.lobes_image is None
 
 
+def test_photographs_are_blended(tmp_path, monkeypatch):
+    monkeypatch.setattr(photographs, "MAP_SIZE", (256, 32))
+    material = blade_object.blade_material(add_katana()).togishi
+    covered = []
+
+    def project() -> tuple[float, float]:
+        """The job's last report of progress, and how much of the blade is covered."""
+        own = {"blade": native.core().katana_defaults(), "detail": 0.02, "size": (256, 32)}
+        job = photographs.ProjectJob({**photographs.state_of(kept), **own})
+        job.start()
+        found = job.result()
+        return job.share, 1 - found["holes"] / found["on_blade"]
+
+    # One camera sees the half towards the tip, the other the half towards the machi.
+    for name, shift in (("one", 0.0), ("two", 100.0)):
+        folder = tmp_path / name
+        folder.mkdir()
+        camera = STATED.replace(f"[{WIDTH / 2},", f"[{WIDTH / 2 + shift},")
+        kept = choose(write_setup(folder, camera))
+        assert bpy.ops.scene.togishi_photographs_run() == {"FINISHED"}
+        usable = np.ones((HEIGHT, WIDTH, 1), np.float32)
+        files.write_planes(image_io(), folder / "setup-maps-quality.exr", ["usable"], usable)
+        share, cover = project()
+        assert share == 1.0
+        covered.append(cover)
+    assert [one.filepath for one in kept.earlier] == [str(tmp_path / "one" / "setup.toml")]
+    assert bpy.ops.scene.togishi_photographs_apply() == {"FINISHED"}
+    assert material.lobes_image is not None
+    # Both cover more than the second alone.
+    kept.earlier[0].use = False
+    assert not photographs.state_of(kept)["earlier"]
+    assert covered[1] > project()[1] + 0.05
+    # Chosen again, it is the present one and no earlier one.
+    choose(tmp_path / "one" / "setup.toml")
+    assert [one.filepath for one in kept.earlier] == [str(tmp_path / "two" / "setup.toml")]
+
+
 def test_a_stack_of_many_lights_runs(tmp_path):
     kept = choose(write_stack(tmp_path), light_error_deg=0.2)
     assert "half vectors" in kept.plan
@@ -278,7 +315,8 @@ def write_outline(folder) -> None:
 OFF = STATED.replace(f"[{WIDTH / 2}, {HEIGHT / 2}]", f"[{WIDTH / 2 + 0.8}, {HEIGHT / 2 - 0.8}]")
 
 
-def test_a_set_ups_camera_is_refined_on_the_outline(tmp_path):
+def test_a_set_ups_camera_is_refined_on_the_outline(tmp_path, monkeypatch):
+    monkeypatch.setattr(photographs, "MAP_SIZE", (256, 32))
     material = blade_object.blade_material(add_katana())
     write_outline(tmp_path)
     kept = choose(write_setup(tmp_path, 'silhouette = "outline.exr"\n' + OFF))

@@ -275,7 +275,17 @@ def test_maps_come_onto_the_blade():
     one = np.zeros((1, 1), np.float32)
     maps = {"ji.ln_mu_deg": one, "ha.ln_mu_deg": one + np.float32(np.log(5)), "w": w}
     photograph = {"maps": maps, "camera": camera(), "frame": "surface"}
-    found = core.capture_project(blade, [photograph], 256, 32, detail=0.05)
+    shares: list[float] = []
+    found = core.capture_project(blade, [photograph], 256, 32, detail=0.05, progress=shares.append)
+    assert len(shares) == 32 and shares == sorted(shares) and shares[-1] == 1.0
+    with pytest.raises(InterruptedError):
+        core.capture_project(
+            blade, [photograph], 256, 32, detail=0.05, progress=lambda share: share < 0.5
+        )
+    with pytest.raises(ZeroDivisionError):
+        core.capture_project(
+            blade, [photograph], 64, 16, detail=0.05, progress=lambda _share: 1 / 0
+        )
     assert found["maps"]["w"].shape == found["coverage"].shape == (32, 256)
     assert 0 < found["holes"] < found["on_blade"]
     covered = found["coverage"] > 0

@@ -178,6 +178,8 @@ class TOGISHI_OT_photographs(bpy.types.Operator, ImportHelper):
         except (native.core().InputError, OSError, ValueError) as error:
             self.report({"ERROR"}, f"These photographs cannot be used: {error}")
             return {"CANCELLED"}
+        photographs.keep_earlier(kept, str(path))
+        before = kept.photograph
         kept.filepath = str(path)
         kept.options_json = json.dumps(options)
         kept.plan = kept.found = kept.frame = kept.camera_json = ""
@@ -185,6 +187,9 @@ class TOGISHI_OT_photographs(bpy.types.Operator, ImportHelper):
         kept.photograph = None
         if photograph is not None and photograph.is_file():
             kept.photograph = bpy.data.images.load(str(photograph), check_existing=True)
+        if kept.photograph != before:
+            for landmark in kept.landmarks:  # marks belong to one photograph, places to the blade
+                landmark.has_pixel = False
         bpy.ops.scene.togishi_photographs_plan(
             "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
         )
@@ -257,7 +262,8 @@ class TOGISHI_OT_photographs_run(_Work, bpy.types.Operator):
 
 
 class TOGISHI_OT_photographs_apply(_Work, bpy.types.Operator):
-    """Bring the maps onto this blade's own chart and give them to its material. Holes hold the nearest value"""
+    """Bring the maps onto this blade's own chart and give them to its material, blended with those of earlier set-ups.
+    Holes hold the nearest value"""
 
     bl_idname = "scene.togishi_photographs_apply"
     bl_label = "Apply to Blade"

@@ -89,6 +89,11 @@ class _PhotographPanel:
         layout.separator()
         _draw_landmarks(layout, kept, context.area.type if context.area else "")
         layout.separator()
+        if kept.earlier:
+            column = layout.column(align=True)
+            column.label(text="Blended with")
+            for one in kept.earlier:
+                column.prop(one, "use", text=Path(one.filepath).name)
         layout.operator("scene.togishi_photographs_apply", icon="MATERIAL")
 
 
