@@ -575,12 +575,28 @@ class TogishiScene(bpy.types.PropertyGroup):
         description="What the eye's adaptation to the light does to its colour",
         items=(
             ("none", "None", "Colours as they are: tungsten light looks orange", 0),
-            ("cat16", "CAT16", "Every light appears white (CAT16)", 1),
-            ("bradford", "Bradford", "Every light appears white (Bradford)", 2),
+            ("cat16", "CAT16", "The light adapted to appears white (CAT16)", 1),
+            ("bradford", "Bradford", "The light adapted to appears white (Bradford)", 2),
         ),
         default="none",
         update=_shown,
     )
+    adapted_to: EnumProperty(
+        name="Adapted To",
+        description="Which light the eye is adapted to",
+        items=(
+            ("each", "Each Lamp", "Every lamp for itself: all of them appear white", 0),
+            (
+                "room",
+                "Room's Light",
+                "One light, as a visitor of the room: others keep their tint",
+                1,
+            ),
+        ),
+        default="each",
+        update=_shown,
+    )
+    white: PointerProperty(type=TogishiSpectrum, name="Room's Light")
 
 
 class TogishiObject(bpy.types.PropertyGroup):
@@ -728,6 +744,14 @@ def world_spectrum(world: bpy.types.World | None) -> str:
     if world is None:
         return spectrum_spec.DEFAULT
     return spectrum_spec.spec(_settings(world.togishi, world.library))
+
+
+def adapted_white(scene: bpy.types.Scene) -> str:
+    """Spec string of the light that a visitor is adapted to; "" where each lamp has its own white."""
+    settings = getattr(scene, "togishi", None)
+    if settings is None or settings.adaptation == "none" or settings.adapted_to == "each":
+        return ""
+    return spectrum_spec.spec(_settings(settings.white, scene.library))
 
 
 def katana_parameters(obj: bpy.types.Object) -> dict[str, Any] | None:

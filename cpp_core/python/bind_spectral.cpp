@@ -130,6 +130,15 @@ void bind_spectra(py::module_& m) {
         "What a reader should know of this spectrum: range shortfalls, resampling.");
 }
 
+Array array_of(const glm::dmat3& matrix) {
+    Array out({3, 3});
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            out.mutable_at(row, column) = matrix[column][row];
+    }
+    return out;
+}
+
 void bind_colour(py::module_& m) {
     m.def(
         "light_rgb",
@@ -150,16 +159,26 @@ void bind_colour(py::module_& m) {
         "(3,) linear RGB of the light itself, scaled to luminance Y = 1.");
     m.def(
         "xyz_to_rgb",
-        [](const std::string& space) {
-            const auto& matrix = find_colour_space(space).rgb_from_xyz;
-            Array out({3, 3});
-            for (int row = 0; row < 3; ++row) {
-                for (int column = 0; column < 3; ++column)
-                    out.mutable_at(row, column) = matrix[column][row];
-            }
-            return out;
-        },
+        [](const std::string& space) { return array_of(find_colour_space(space).rgb_from_xyz); },
         py::arg("space"), "(3, 3) matrix from XYZ to linear RGB of the space: rgb = matrix @ xyz.");
+    m.def(
+        "adapt_rgb",
+        [](const std::string& light, const std::string& observer, const std::string& space_name,
+           const std::string& adaptation) {
+            glm::dmat3 matrix;
+            {
+                const py::gil_scoped_release release;
+                const auto& space = find_colour_space(space_name);
+                const auto white =
+                    colour_weights(*find_light(light), *find_observer(observer)).white;
+                matrix = rgb_from_xyz(space, find_adaptation(adaptation), white) *
+                         glm::inverse(space.rgb_from_xyz);
+            }
+            return array_of(matrix);
+        },
+        py::arg("light"), py::arg("observer") = default_observer,
+        py::arg("space") = default_colour_space, py::arg("adaptation") = "cat16",
+        "(3, 3) matrix on linear RGB: what an eye adapted to the white of `light` sees.");
     m.def(
         "delta_e00",
         [](const Array& xyz_a, const Array& xyz_b, const Array& white_xyz) {

@@ -11,6 +11,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 from togishi import blade_object, map_images, properties  # noqa: E402
 from togishi.core import native, spectrum_spec  # noqa: E402
+from togishi.engine.scene_sync import SceneSync  # noqa: E402
 from togishi.operators.add_katana import DIMENSIONS  # noqa: E402
 
 
@@ -97,6 +98,19 @@ def test_automatic_follows_the_lights_own_temperature():
     assert properties.light_spectrum(light) == "blackbody:3100"
     light.togishi.choice = "D50"
     assert properties.light_spectrum(light) == "D50"
+
+
+def test_the_white_that_a_visitor_is_adapted_to():
+    scene = bpy.context.scene
+    settings = scene.togishi
+    settings.white.kind = "A"
+    assert properties.adapted_white(scene) == ""
+    settings.adapted_to = "room"
+    assert properties.adapted_white(scene) == "", "no adaptation is chosen"
+    settings.adaptation = "cat16"
+    assert properties.adapted_white(scene) == "A"
+    read = SceneSync().update(bpy.context.evaluated_depsgraph_get())
+    assert (read.colour.adaptation, read.colour.white) == ("cat16", "A")
 
 
 def test_csv_path_is_made_absolute(tmp_path):

@@ -149,6 +149,29 @@ def test_adaptation(name: str, theirs: str) -> None:
     np.testing.assert_allclose(adapted, expected, atol=2e-6)
 
 
+@pytest.mark.parametrize(("name", "theirs"), [("bradford", "Bradford"), ("cat16", "CAT16")])
+def test_one_white_for_a_room(name: str, theirs: str) -> None:
+    # Under lamps of 3200 K, whoever is adapted to them sees daylight blue, as colour-science has it.
+    whites = [togishi_core.light_rgb(n, space="xyz") for n in ("blackbody:3200", "D65")]
+    d65 = colour.xy_to_XYZ([0.3127, 0.3290])
+    matrix = colour.adaptation.matrix_chromatic_adaptation_VonKries(
+        whites[0], d65, transform=theirs
+    )
+    adapt = togishi_core.adapt_rgb("blackbody:3200", adaptation=name)
+    expected = np.array(whites) @ (togishi_core.xyz_to_rgb("rec709") @ matrix).T
+    plain = np.array([togishi_core.light_rgb(n) for n in ("blackbody:3200", "D65")])
+    np.testing.assert_allclose(plain @ adapt.T, expected, atol=2e-6)
+    np.testing.assert_allclose(plain[0] @ adapt.T, 1.0, atol=1e-3)
+    np.testing.assert_allclose(
+        togishi_core.adapt_rgb("D50", adaptation="none"), np.eye(3), atol=1e-12
+    )
+
+
+def test_a_line_is_no_white_to_bradford() -> None:
+    with pytest.raises(togishi_core.InputError, match="white"):
+        togishi_core.adapt_rgb("LPS", adaptation="bradford")
+
+
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(*[st.floats(0.0, 1.2)] * 6), min_size=1, max_size=20))
 def test_ciede2000(rows: list[tuple[float, ...]]) -> None:

@@ -198,6 +198,7 @@ class ColourSettings:
     observer: str = "cie1931_2"
     space: str = "rec709"
     adaptation: str = "none"
+    white: str = ""  # the spectrum that the eye is adapted to; "": each light's own
 
 
 @dataclass(frozen=True, eq=False)

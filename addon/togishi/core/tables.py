@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +55,9 @@ class Tables:
         }
         if not changed:
             return
-        self._rows = {k: row for k, row in self._rows.items() if not changed & {k[0], k[1]}}
+        self._rows = {
+            k: row for k, row in self._rows.items() if not changed & {k[0], k[1], k[2].white}
+        }
         for name in changed:
             del self._stamps[name]
             self.problems.pop(name, None)
@@ -73,7 +76,7 @@ class Tables:
         key = (metal, spectrum, colour)
         row = self._rows.get(key)
         if row is None:
-            for name in (metal, spectrum):
+            for name in (metal, spectrum, colour.white):
                 # Before the file is read: a change in between is then seen.
                 if name not in self._stamps and (file := _file_of(name)) is not None:
                     self._stamps[name] = _stamp(file)
@@ -86,9 +89,14 @@ class Tables:
 
     def _bake(self, metal: str, spectrum: str, colour: ColourSettings) -> F32:
         core = native.core()
+        row: F32
+        if colour.white and colour.adaptation != "none":
+            # One white for everything: what each light and its metal give is adapted as one colour.
+            row = self._row(metal, spectrum, replace(colour, adaptation="none", white=""))
+            return np.ascontiguousarray(row @ self._adaptation(colour).T, np.float32)
         try:
             if metal:
-                row: F32 = core.fresnel_table(
+                row = core.fresnel_table(
                     metal, spectrum, colour.observer, colour.space, TABLE_SIZE, colour.adaptation
                 )
                 return row
@@ -104,3 +112,12 @@ class Tables:
                 self.problems[metal] = str(error)
                 return self._row(default, spectrum, colour)
             raise
+
+    def _adaptation(self, colour: ColourSettings) -> F32:
+        core = native.core()
+        try:
+            matrix = core.adapt_rgb(colour.white, colour.observer, colour.space, colour.adaptation)
+            return np.asarray(matrix, np.float32)
+        except core.InputError as error:
+            self.problems[colour.white] = str(error)
+            return np.eye(3, dtype=np.float32)

@@ -199,6 +199,7 @@ class SceneSync:
             observer=getattr(settings, "observer", "cie1931_2"),
             space=blender_versions.working_space(),
             adaptation=getattr(settings, "adaptation", "none"),
+            white=properties.adapted_white(depsgraph.scene_eval),
         )
 
     def _object_materials(

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import bpy
 
+from .. import properties
+from ..core import native
+from .light_panels import draw_spectrum
 from .shared_panels import ENGINE
 
 
@@ -37,8 +40,14 @@ class TOGISHI_PT_colour(_RenderPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(context.scene.togishi, "observer")
-        layout.prop(context.scene.togishi, "adaptation")
+        settings = context.scene.togishi
+        layout.prop(settings, "observer")
+        layout.prop(settings, "adaptation")
+        if settings.adaptation == "none":
+            return
+        layout.prop(settings, "adapted_to")
+        if settings.adapted_to == "room" and not native.problem():
+            draw_spectrum(layout, settings.white, properties.adapted_white(context.scene))
 
 
 class TOGISHI_PT_passes(bpy.types.Panel):
