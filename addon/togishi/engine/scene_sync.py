@@ -100,6 +100,7 @@ class SceneSync:
             if isinstance(changed, bpy.types.Image):
                 self._maps = {k: v for k, v in self._maps.items() if uid not in _uids(k)}
                 self._materials.clear()
+                self._environment.key = ()
         return only_lights
 
     # --- reading --------------------------------------------------------------------------------
