@@ -17,6 +17,7 @@ _MODULE_NAMES = (
     "properties",
     "measurement",
     "photographs",
+    "landmark_marks",
     "engine",
     "nodes",
     "operators",

@@ -8,15 +8,17 @@ import weakref
 from types import SimpleNamespace
 
 import bpy
+import gpu
 import mathutils
 import numpy as np
 import pytest
 from blade_outline import against_the_light
+from gpu_context import ensure_gpu_context
 from ui_fixtures import add_katana, addon  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("addon")
 
-from togishi import blade_object, map_files, photographs, properties  # noqa: E402
+from togishi import blade_object, landmark_marks, map_files, photographs, properties  # noqa: E402
 from togishi.core import landmarks, native  # noqa: E402
 from togishi.core import photographs as files  # noqa: E402
 from togishi.operators.landmarks import (  # noqa: E402
@@ -504,6 +506,57 @@ def test_a_click_on_the_blade_is_its_place():
     np.testing.assert_allclose(click.point_mm[::2], (388, z_mm + 5), atol=0.5)
     assert not TOGISHI_OT_landmark_pick.where(click, context, region, (500, 900))
     assert said == ["No blade is there"]
+
+
+def test_landmarks_are_drawn_where_they_are(tmp_path):
+    ensure_gpu_context()
+    blade = add_katana()
+    kept = choose(write_stack(tmp_path))
+    mark(FOUR)
+    view = SimpleNamespace(
+        view_to_region=lambda u, v, clip: (10 + 2 * WIDTH * u, 20 + 2 * HEIGHT * v)
+    )
+    found = landmark_marks.in_photograph(kept, view, kept.photograph)
+    assert [one.name for one in found] == list(FOUR)
+    assert [one.chosen for one in found] == [False, False, False, True]
+    for one, landmark in zip(found, kept.landmarks, strict=True):
+        x, y = landmark.pixel
+        assert (one.x, one.y) == pytest.approx((10 + 2 * x, 20 + 2 * (HEIGHT - y)), abs=1e-3)
+    assert not landmark_marks.in_photograph(kept, view, None)
+    # From above, 1 m across 1000 pixels: the blade's x to the right.
+    region = SimpleNamespace(width=1000, height=1000)
+    rv3d = SimpleNamespace(perspective_matrix=mathutils.Matrix.Diagonal((2.0, 2.0, 0.01, 1.0)))
+    on = landmark_marks.on_blade(kept, blade, 1.0, region, rv3d)
+    for one, landmark in zip(on, kept.landmarks, strict=True):
+        world = blade.matrix_world @ (mathutils.Vector(landmark.point_mm) / 1000.0)
+        assert (one.x, one.y) == pytest.approx(
+            (500 + 1000 * world.x, 500 + 1000 * world.y), abs=0.1
+        )
+    kept.landmarks[0].has_point = False
+    assert len(landmark_marks.on_blade(kept, blade, 1.0, region, rv3d)) == 3
+    # A cross of one colour, another for the chosen one.
+    offscreen = gpu.types.GPUOffScreen(64, 48)
+    with offscreen.bind():
+        gpu.state.active_framebuffer_get().clear(color=(0.0, 0.0, 0.0, 1.0))
+        with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+            gpu.matrix.load_matrix(mathutils.Matrix.Identity(4))
+            window = mathutils.Matrix.Diagonal((2 / 64, 2 / 48, 1.0, 1.0))
+            window.translation = (-1.0, -1.0, 0.0)
+            gpu.matrix.load_projection_matrix(window)
+            landmark_marks.draw(
+                [
+                    landmark_marks.Mark(12.5, 12.5, "", False),
+                    landmark_marks.Mark(50.5, 30.5, "", True),
+                ]
+            )
+        pixels = gpu.state.active_framebuffer_get().read_color(0, 0, 64, 48, 4, 0, "FLOAT")
+    offscreen.free()
+    image = np.array(pixels.to_list())
+    for x, y, colour in ((12, 12, landmark_marks.PLAIN), (50, 30, landmark_marks.CHOSEN)):
+        expected = np.array(colour[:3]) * colour[3]
+        for at in ((y, x - 4), (y, x + 4), (y - 4, x), (y + 4, x)):
+            np.testing.assert_allclose(image[at][:3], expected, atol=0.05)
+    assert not image[40, 10][:3].any() and not image[12, 12 + 12][:3].any()
 
 
 def test_bad_input_changes_nothing(tmp_path):
