@@ -425,6 +425,34 @@ def test_world_hdri(scene):
     assert any("may only rotate" in message for message in sync.messages)
 
 
+def test_bake_surroundings(scene):
+    """Any nodes as an HDRI that lies the right way, with the strength in it; Cycles' settings are left alone."""
+    world = bpy.data.worlds.new("sky")
+    scene.world = world
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    background = next(n for n in nodes if n.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = 2.0
+    coordinate = nodes.new("ShaderNodeTexCoord")
+    links.new(coordinate.outputs["Generated"], background.inputs["Color"])
+    bpy.context.view_layer.update()
+    before = len(bpy.data.scenes), len(bpy.data.cameras), len(bpy.data.objects)
+    assert bpy.ops.world.togishi_bake_surroundings(width=64) == {"FINISHED"}
+    assert (len(bpy.data.scenes), len(bpy.data.cameras), len(bpy.data.objects)) == before
+    bpy.context.view_layer.update()
+    sync, data = sync_of()
+    assert not sync.messages
+    from togishi.core import surroundings
+
+    towards = surroundings.directions(64, 32)
+    # The world's colour is the direction, as far as it is positive; a texel is five degrees.
+    got = data.world.environment.pixels * data.world.radiance[0]
+    assert np.abs(got - 2.0 * np.maximum(towards, 0.0)).max() < 0.1
+    scene.world = None
+    with pytest.raises(RuntimeError, match="Needs a world with nodes"):
+        bpy.ops.world.togishi_bake_surroundings()
+
+
 def test_plain_materials(scene):
     card = add_card(scene, blade=False)
     material = card.active_material

@@ -115,7 +115,9 @@ def read_world(world: bpy.types.World | None, known: KnownEnvironment) -> tuple[
                     bright = max(strength, 0.0)
                     return World((bright, bright, bright), spectrum, environment, turn), ""
                 if texture is not None:
-                    raise SurroundingsError(f"{texture.name!r} is no Environment Texture")
+                    raise SurroundingsError(
+                        f"{texture.name!r} is no Environment Texture (Bake Surroundings makes one)"
+                    )
             except SurroundingsError as error:
                 note = f"World {world.name!r}: {error}: the Background node's plain colour is used."
     red, green, blue = (max(value * strength, 0.0) for value in colour)

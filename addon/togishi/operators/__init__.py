@@ -7,6 +7,7 @@ import bpy
 from .. import background_job
 from . import (
     add_katana,
+    bake_surroundings,
     blade_material,
     connect_nodes,
     fit_measurement,
@@ -24,6 +25,7 @@ _CLASSES = tuple(
         rebake_pattern,
         map_files,
         light_preset,
+        bake_surroundings,
         connect_nodes,
         fit_measurement,
         photographs,

@@ -62,6 +62,8 @@ class TOGISHI_PT_world(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         draw_spectrum(self.layout, context.world.togishi, properties.world_spectrum(context.world))
+        if context.world.use_nodes and context.world == context.scene.world:
+            self.layout.operator("world.togishi_bake_surroundings")
 
 
 CLASSES = (TOGISHI_PT_light, TOGISHI_PT_world)
