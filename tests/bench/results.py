@@ -32,7 +32,7 @@ AREAS: Mapping[str, Sequence[Path]] = {
     "scale": [BENCH / "scale.py"],
     "package": [BENCH / "package.py"],
     "fit": [BENCH / "fit.py"],
-    "light": [BENCH / "light.py", BENCH / "light_frames.py"],
+    "light": [BENCH / "light.py", BENCH / "light_frames.py", BENCH / "light_exhibition.py"],
     "capture": [
         BENCH / "capture_diffuse.py",
         BENCH / "capture_round_trip.py",
