@@ -308,7 +308,9 @@ def parse_capture_setup(text: str, name: str = "text") -> CaptureSetup:
 def read_capture_setup(path: str) -> CaptureSetup:
     """A set-up's file (TOML). InputError names file, line and field."""
 
-def refine_capture_camera(setup: CaptureSetup, read_picture: Callable[[str], tuple[F32, bool]]) -> CaptureSetup:
+def refine_capture_camera(
+    setup: CaptureSetup, read_picture: Callable[[str], tuple[F32, bool]]
+) -> CaptureSetup:
     """The set-up with its camera refined on the outline in the picture that it names; as it is where it names none.
     read_picture: as capture_diffuse. InputError as camera_on_outline."""
 
