@@ -62,9 +62,9 @@ def _stale(module: ModuleType) -> str:
     build = _installed_build(module)
     # A loaded library stays in memory until Blender ends, whatever is installed meanwhile. The module outlives
     # this add-on's own modules, so it keeps what it was loaded from.
-    if not hasattr(module, "togishi_loaded_from"):
-        module.togishi_loaded_from = build  # type: ignore[attr-defined]
-    if module.togishi_loaded_from != build:
+    if not hasattr(module, "_togishi_loaded_from"):
+        module._togishi_loaded_from = build  # type: ignore[attr-defined]
+    if module._togishi_loaded_from != build:
         return (
             f"Togishi was installed anew while Blender was running, and its native module is still "
             f"the earlier one ({version}). Restart Blender."
