@@ -239,7 +239,7 @@ def make(
 # Panels, from the screenshots that `make test-window` leaves: (picture, screenshot, rows from the top that are shown).
 WINDOW = ROOT / "out" / "window"
 PANELS = (
-    ("panel_sidebar", "sidebar_first", 617),
+    ("panel_sidebar", "sidebar_first", 730),
     ("panel_material", "open_material", 640),
     ("panel_photographs", "sidebar_photographs", 770),
 )

@@ -540,7 +540,7 @@ class TogishiScene(bpy.types.PropertyGroup):
         update=_shown,
     )
     filter_highlights: BoolProperty(
-        name="Highlight anti-aliasing",
+        name="Filter Highlights",
         description=(
             "Take the mean of each highlight over a pixel: narrow ones on curved steel keep their light and do not "
             "flicker when something moves"

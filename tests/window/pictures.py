@@ -201,6 +201,19 @@ def photographs(shots: screen.Shots) -> Steps:
     shutil.rmtree(stack.parent)
 
 
+def expanded(area: bpy.types.Area) -> Steps:
+    """The extension's entry, opened. While a preview is rendered in another thread Blender refuses operators."""
+    for last in (False,) * 20 + (True,):
+        try:
+            with screen.override(area):
+                bpy.ops.preferences.addon_expand(module=EXTENSION)
+            return
+        except RuntimeError as error:
+            if last or "drawing/rendering" not in str(error):
+                raise
+        yield 0.3
+
+
 # Below the upper border of their regions, with all panels open; nothing below them has a tooltip of its own.
 BAKE_BUTTON_PX, LOBE_PX = (466, 442, 418), (412, 386)
 
@@ -326,8 +339,7 @@ def pictures() -> Steps:
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Togishi"
     yield from settle()
-    with screen.override(area):
-        bpy.ops.preferences.addon_expand(module=EXTENSION)
+    yield from expanded(area)
     yield from settle(0.8)
     yield from shots.area(area, "preferences")
     area.type = "VIEW_3D"
