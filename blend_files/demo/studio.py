@@ -141,6 +141,8 @@ def shoot(
     # The room is mirrored in the blade, but the picture's ground stays black.
     render.film_transparent = True
     scene.togishi.samples = samples
+    # The reference beside each picture looks at points, not at pixels.
+    scene.togishi.filter_highlights = False
     if engine == "CYCLES":
         scene.cycles.samples, scene.cycles.use_denoising = samples, False
         scene.cycles.use_adaptive_sampling = False
