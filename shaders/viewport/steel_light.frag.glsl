@@ -91,18 +91,18 @@ int reached(Towards t, Steel s) {
 #ifdef TG_FILTERED
 #define TG_TURNED , right, up
 // D(0) is 1: the model's own weight and shadowing, with the mean of D in the pixel's place.
+LightGeometry at_peak(LightGeometry g) {
+    g.facet.dx = 0.0;
+    g.facet.dy = 0.0;
+    return g;
+}
+
 float smooth_part(LobeForm form, LightGeometry g, float chi, Facet right, Facet up) {
-    LightGeometry flat_on = g;
-    flat_on.facet.dx = 0.0;
-    flat_on.facet.dy = 0.0;
-    return ji_reflection(form, flat_on, chi) * pixel_lobe_value(form, g.facet, right, up);
+    return ji_reflection(form, at_peak(g), chi) * pixel_lobe_value(form, g.facet, right, up);
 }
 
 float rough_part(LobeForm form, LightGeometry g, float beta, Facet right, Facet up) {
-    LightGeometry flat_on = g;
-    flat_on.facet.dx = 0.0;
-    flat_on.facet.dy = 0.0;
-    return hamon_reflection(form, flat_on, beta) * pixel_lobe_value(form, g.facet, right, up);
+    return hamon_reflection(form, at_peak(g), beta) * pixel_lobe_value(form, g.facet, right, up);
 }
 #else
 #define TG_TURNED
@@ -203,11 +203,9 @@ SteelLobe steel_lobe(int number, int row, Steel s) {
 }
 
 #ifdef TG_FILTERED
-// The lobe widened by the pixel's facets, for light from this direction.
-SteelLobe widened(SteelLobe own, vec3 light, float nearness, Steel s) {
+// The lobe widened by the pixel's facets, which turn by so much to the right and upwards.
+SteelLobe widened(SteelLobe own, Facet right, Facet up) {
     SteelLobe l = own;
-    Facet right = facet_turn(s.axes, s.view, light, nearness, s.right);
-    Facet up = facet_turn(s.axes, s.view, light, nearness, s.up);
     l.lobe.form = lobe_form_widened(own.lobe.form, right, up, 0.25);
     l.own_weight *= l.lobe.form.scale / own.lobe.form.scale;
     return l;
@@ -221,13 +219,17 @@ float weight_of(SteelLobe l) {
 // What the pixel reflects of a lamp of a size.
 vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
     vec3 sum = vec3(0.0);
+#ifdef TG_FILTERED
+    // From the mirror direction or, where the lamp is elsewhere, from its middle.
+    vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
+    vec3 from = dot(mirror, seen.axis) > cos(min(seen.bound_rad, TG_PI)) ? mirror : seen.axis;
+    Facet right = facet_turn(s.axes, s.view, from, seen.nearness, s.right);
+    Facet up = facet_turn(s.axes, s.view, from, seen.nearness, s.up);
+#endif
     for (int number = 0; number < TG_LOBES; ++number) {
         SteelLobe l = steel_lobe(number, int(area.colour.w), s);
 #ifdef TG_FILTERED
-        // From the mirror direction or, where the lamp is elsewhere, from its middle.
-        vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
-        bool mirrored = dot(mirror, seen.axis) > cos(min(seen.bound_rad, TG_PI));
-        l = widened(l, mirrored ? mirror : seen.axis, seen.nearness, s);
+        l = widened(l, right, up);
 #endif
         l.lobe.widest = max(least(l.lobe.form), 1.0e-6);
         int times = l.share > 0.0 && area_reached(seen, l.lobe) ? 1 : 0;
@@ -243,10 +245,15 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
 
 vec3 reflect_environment(Steel s) {
     vec3 sum = vec3(0.0);
+#ifdef TG_FILTERED
+    vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
+    Facet right = facet_turn(s.axes, s.view, mirror, 0.0, s.right);
+    Facet up = facet_turn(s.axes, s.view, mirror, 0.0, s.up);
+#endif
     for (int number = 0; number < TG_LOBES; ++number) {
         SteelLobe l = steel_lobe(number, int(frame.world.w), s);
 #ifdef TG_FILTERED
-        l = widened(l, s.axes.normal * (2.0 * s.n_dot_v) - s.view, 0.0, s);
+        l = widened(l, right, up);
 #endif
         l.lobe.widest = 1.0;
         int times = l.share > 0.0 ? 1 : 0;

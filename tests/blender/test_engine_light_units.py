@@ -161,6 +161,26 @@ SIZED = [
 ]
 
 
+def rendered(
+    scene: bpy.types.Scene, engine: str, size: tuple[int, int], samples: int, path: str
+) -> np.ndarray:
+    """(H, W, 3) linear pixels of a final render; samples: of Cycles."""
+    render = scene.render
+    render.resolution_x, render.resolution_y = size
+    render.engine = engine
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.filepath = path
+    if engine == "CYCLES":
+        scene.cycles.samples = samples
+        scene.cycles.use_denoising = False
+        scene.cycles.max_bounces = 0
+        scene.cycles.sample_clamp_direct = 0.0
+    bpy.ops.render.render(write_still=True)
+    pixels = np.array(bpy.data.images.load(path).pixels[:])
+    return pixels.reshape(size[1], size[0], 4)[..., :3]
+
+
 def card_value(
     engine: str, albedo: float, kind: str, setup: Callable[[object, object], None], path: str
 ) -> np.ndarray:
@@ -190,21 +210,7 @@ def card_value(
     camera.location = (0.0, 0.0, 0.3)
     scene.collection.objects.link(camera)
     scene.camera = camera
-    render = scene.render
-    render.resolution_x = render.resolution_y = 8
-    render.engine = engine
-    render.image_settings.file_format = "OPEN_EXR"
-    render.image_settings.color_depth = "32"
-    render.filepath = path
-    if engine == "CYCLES":
-        scene.cycles.samples = 32
-        scene.cycles.use_denoising = False
-        scene.cycles.max_bounces = 0
-        scene.cycles.sample_clamp_direct = 0.0
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(path)
-    pixels = np.array(image.pixels[:]).reshape(8, 8, 4)
-    return pixels[..., :3].mean(axis=(0, 1))
+    return rendered(scene, engine, (8, 8), 32, path).mean(axis=(0, 1))
 
 
 @pytest.mark.parametrize(
@@ -280,18 +286,7 @@ def hdri_picture(engine: str, kind: str, sun: float, path: str) -> np.ndarray:
     camera.rotation_euler = (math.radians(90.0), 0.0, math.radians(180.0))
     scene.collection.objects.link(camera)
     scene.camera = camera
-    render = scene.render
-    render.resolution_x, render.resolution_y = 32, 24
-    render.engine = engine
-    render.image_settings.file_format = "OPEN_EXR"
-    render.image_settings.color_depth = "32"
-    render.filepath = path
-    if engine == "CYCLES":
-        scene.cycles.samples = 128
-        scene.cycles.use_denoising = False
-        scene.cycles.max_bounces = 0
-    bpy.ops.render.render(write_still=True)
-    return np.array(bpy.data.images.load(path).pixels[:]).reshape(24, 32, 4)[..., :3]
+    return rendered(scene, engine, (32, 24), 128, path)
 
 
 @pytest.mark.parametrize(("kind", "sun"), [("POINT", 0.0), ("TEXTURE", 3.0e3)])

@@ -271,7 +271,7 @@ class TOGISHI_OT_camera_solve(bpy.types.Operator):
         except native.core().InputError as error:
             self.report({"ERROR"}, f"The camera cannot be found: {error}")
             return {"CANCELLED"}
-        kept.camera_json = json.dumps(fit["camera"])
+        photographs.keep_camera(kept, fit["camera"], None)
         photographs.keep_fit(kept, fit)
         self.report(
             {"INFO"}, f"Camera found: the landmarks lie within {fit['rms_mm']:.2f} mm (rms)"
