@@ -53,6 +53,7 @@ PROMISED: dict[str, tuple[dict[str, float], float | None, float | None]] = {
 STATED = ("dome.hamon", "concentrated.hadori")
 HAZE = ("haze_1.ji", "haze_3.ji", "haze_10.ji")
 CALIBRATED_TIMES = 4
+END_TO_END_ROUNDS = 3
 UNITS = {"pct": "%", "deg": "°"}
 
 
@@ -252,7 +253,6 @@ def files(width: int, height: int, wide: tuple[int, int], seed: int) -> list[Row
     data = bench("export", "graded.single", 4096, seed)
     value = np.array(data["value"]).reshape(-1, data["lights"])
     full = value.max()
-    rate = float(np.median(bench("time", "graded.single", 3000, seed, 5)["px_per_s"]))
     rng = np.random.default_rng(seed)
     with tempfile.TemporaryDirectory(dir=REPOSITORY / "build") as name:
         folder = Path(name)
@@ -272,16 +272,24 @@ def files(width: int, height: int, wide: tuple[int, int], seed: int) -> list[Row
         file = write_lights(folder, data["directions"], names)
         tilt = np.radians(12)
         options = ["--normal", np.sin(tilt), 0, np.cos(tilt), "--threads", 2]
-        report, spent, memory = run_command(
-            "capture", "lights", file, "-o", folder / "maps.exr", *options
-        )
         pixels = width * height
-        share = 100 * (pixels / spent) / (2 * rate)
+        rates, runs, memory = [], [], 0.0
+        for _ in range(END_TO_END_ROUNDS):
+            rates.append(
+                2 * float(np.median(bench("time", "graded.single", 3000, seed, 5)["px_per_s"]))
+            )
+            report, spent, held = run_command(
+                "capture", "lights", file, "-o", folder / "maps.exr", *options
+            )
+            runs.append(pixels / spent)
+            memory = max(memory, held)
+        share, spread = ratio_and_spread(100 * np.array(runs), rates)
         how = (
-            f"60 uncompressed 16-bit TIFF files of {width} x {height}, 2 threads: {spent:.0f} s, of which "
-            f"{report['seconds_reading']:.0f} s reading ({report['cpu_seconds']:.0f} s of the two CPUs); the fit alone: {rate:.0f} px/s a core"
+            f"60 uncompressed 16-bit TIFF files of {width} x {height}, 2 threads, {END_TO_END_ROUNDS} rounds in turns with "
+            f"the fit alone ({np.median(rates) / 2:.0f} px/s a core); the last took {spent:.0f} s, of which "
+            f"{report['seconds_reading']:.0f} s reading ({report['cpu_seconds']:.0f} s of the two CPUs)"
         )
-        rows = [Row("capture.end_to_end_share", share, "%", 60.0, ">=", how=how)]
+        rows = [Row("capture.end_to_end_share", share, "%", 60.0, ">=", spread, how)]
         # 60 names of one large picture: what the memory depends on is its size.
         big = folder / "big.tif"
         ramp = np.tile(np.linspace(0, 60000, wide[0]).astype(np.uint16), (wide[1], 1))
