@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "base/error.hpp"
 
 namespace togishi {
 
@@ -103,6 +106,33 @@ ChartPoint BladeFrame::locate(double u, double v) const {
         p.part = kissaki ? Part::boshi : Part::ha;
     }
     return p;
+}
+
+void check_frame(const BladeFrame& frame, std::string_view where) {
+    constexpr double most_mm = 1e5;
+    constexpr std::size_t most_samples = 1000000;
+    for (const auto& [name, member] : frame_lengths) {
+        const double value = frame.*member;
+        const bool length = name != "nakago_mm" && name != "yokote_s_mm";
+        if (!(value >= (length ? 1e-3 : 0) && value <= most_mm)) {
+            throw InputError(where, name, std::to_string(value),
+                             length ? "0.001 to 100000 mm" : "0 to 100000 mm");
+        }
+    }
+    const std::size_t samples = frame.edge_mm.size();
+    if (samples < 2 || samples > most_samples)
+        throw InputError(where, "edge_mm", std::to_string(samples) + " samples", "2 to 1000000");
+    for (const auto& [name, member] : frame_curves) {
+        const std::vector<double>& curve = frame.*member;
+        if (curve.size() != samples) {
+            throw InputError(where, name, std::to_string(curve.size()) + " samples",
+                             std::to_string(samples) + ", as edge_mm has");
+        }
+        const auto wrong = std::find_if_not(curve.begin(), curve.end(),
+                                            [](double x) { return x >= -most_mm && x <= most_mm; });
+        if (wrong != curve.end())
+            throw InputError(where, name, std::to_string(*wrong), "-100000 to 100000");
+    }
 }
 
 }  // namespace togishi

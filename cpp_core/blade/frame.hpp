@@ -10,6 +10,9 @@
 // ridge, which is a seam of the chart, opens there by `lift` on each side, and the mune and the
 // sides are turned against it, each by its own skew.
 #pragma once
+#include <array>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "blade/part.hpp"
@@ -58,5 +61,27 @@ class BladeFrame {
   private:
     [[nodiscard]] double distance_to_edge_mm(double x_mm, double t_mm, double s_mm) const;
 };
+
+/// The outline curves by name, for keeping a frame in a file.
+inline constexpr std::array<std::pair<std::string_view, std::vector<double> BladeFrame::*>, 7>
+    frame_curves{{{"edge_mm", &BladeFrame::edge_mm},
+                  {"shinogi_mm", &BladeFrame::shinogi_mm},
+                  {"mune_mm", &BladeFrame::mune_mm},
+                  {"suguha_mm", &BladeFrame::suguha_mm},
+                  {"skew", &BladeFrame::skew},
+                  {"mune_skew", &BladeFrame::mune_skew},
+                  {"lift_mm", &BladeFrame::lift_mm}}};
+
+/// The lengths by name.
+inline constexpr std::array<std::pair<std::string_view, double BladeFrame::*>, 4> frame_lengths{
+    {{"nakago_mm", &BladeFrame::nakago_mm},
+     {"nagasa_mm", &BladeFrame::nagasa_mm},
+     {"chart_height_mm", &BladeFrame::chart_height_mm},
+     {"yokote_s_mm", &BladeFrame::yokote_s_mm}}};
+
+/// Throws InputError naming the first length or curve that no blade's chart has: curves of other
+/// lengths than the others' or of less than 2 or more than a million samples, numbers that are not
+/// finite or beyond 1e5 mm, a blade of no length.
+void check_frame(const BladeFrame& frame, std::string_view where);
 
 }  // namespace togishi

@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "steel/steel_pattern.hpp"
 // After the model's formulas, which must not see the blade's own arithmetic.
-#include "blade/katana_frame.hpp"
 #include "python/blade_parameters.hpp"
 #include "python/map_dict.hpp"
 #include "python/material_dict.hpp"
@@ -92,10 +91,9 @@ std::size_t size_from(const char* name, py::ssize_t size) {
     return static_cast<std::size_t>(size);
 }
 
-py::dict pattern(const py::object& katana_parameters, const py::object& material,
-                 const py::object& chosen, py::ssize_t width, py::ssize_t height,
-                 const py::object& progress) {
-    const KatanaParameters katana = katana_from_python(katana_parameters);
+py::dict pattern(const py::object& blade, const py::object& material, const py::object& chosen,
+                 py::ssize_t width, py::ssize_t height, const py::object& progress) {
+    const BladeFrame frame = frame_from_python(blade);
     const Material lobes = material_from_dict(material);
     const SteelParameters p = pattern_from_python(chosen);
     const std::size_t columns = size_from("width", width);
@@ -111,7 +109,6 @@ py::dict pattern(const py::object& katana_parameters, const py::object& material
     PropertyMaps maps;
     try {
         const py::gil_scoped_release release;
-        const BladeFrame frame = make_blade_frame(katana);
         maps = steel_pattern(frame, lobes, p, columns, rows, report);
     } catch (const SteelCancelled&) {
         PyErr_SetString(PyExc_InterruptedError, "steel pattern: cancelled");
@@ -148,9 +145,8 @@ void bind_steel(py::module_& m) {
             return result;
         },
         "The lowest and the highest value that each number of steel_defaults allows.");
-    m.def("steel_pattern", &pattern, py::arg("katana_parameters"), py::arg("material"),
-          py::arg("pattern"), py::arg("width"), py::arg("height"), py::kw_only(),
-          py::arg("progress") = py::none(),
+    m.def("steel_pattern", &pattern, py::arg("blade"), py::arg("material"), py::arg("pattern"),
+          py::arg("width"), py::arg("height"), py::kw_only(), py::arg("progress") = py::none(),
           "Property maps of a blade: channel name -> (height, width), or (1, 1) where it is "
           "constant. progress: called with the share done; returning False cancels "
           "(InterruptedError).");

@@ -2,6 +2,7 @@
 #pragma once
 #include <pybind11/pybind11.h>
 
+#include "blade/frame.hpp"
 #include "blade/katana_parameters.hpp"
 
 namespace togishi {
@@ -10,5 +11,13 @@ namespace togishi {
 /// InputError for unknown keys, wrong types and unknown names; dimensions are checked by
 /// make_katana and make_blade_frame.
 KatanaParameters katana_from_python(const pybind11::handle& mapping);
+
+/// The chart of a blade: of a generated one from its dimensions, or a scanned one's, which is a
+/// mapping
+/// {"frame": {...}} as frame_to_python makes it. Throws InputError as katana_from_python,
+/// check_katana and check_frame do.
+BladeFrame frame_from_python(const pybind11::handle& mapping);
+/// {"frame": {...}} of plain numbers and lists, for JSON. Curves are rounded to 1e-6.
+pybind11::dict frame_to_python(const BladeFrame& frame);
 
 }  // namespace togishi

@@ -150,7 +150,7 @@ def steel_ranges() -> dict[str, tuple[float, float]]:
     """Lowest and highest value of each number of steel_defaults (seed: a whole number from 0 to 2^53)."""
 
 def steel_pattern(
-    katana_parameters: Mapping[str, Any],
+    blade: Mapping[str, Any],
     material: Mapping[str, Any],
     pattern: Mapping[str, Any],
     width: int,
@@ -160,8 +160,9 @@ def steel_pattern(
 ) -> dict[str, F32]:
     """Property maps of a blade: channel name -> (height, width), or (1, 1) where it is constant.
 
-    pattern: keys of steel_defaults, missing ones take the default. progress: called with the share done, in [0, 1];
-    what it raises passes through, and returning False cancels with InterruptedError."""
+    blade: dimensions as katana() takes them, or {"frame": ...} of a scanned blade. pattern: keys of steel_defaults,
+    missing ones take the default. progress: called with the share done, in [0, 1]; what it raises passes through, and
+    returning False cancels with InterruptedError."""
 
 # --- reference ----------------------------------------------------------------------------------
 
