@@ -98,8 +98,10 @@ void add_info_command(CLI::App& app, const Common& common) {
     auto options = std::make_shared<Options>();
     auto* command = app.add_subcommand(
         "info", "Print version, build and built-in data; or what FILE is and its checks");
-    command->add_option("file", options->file,
-                        "A data table (.csv), a material or blade preset (.toml) or a map (.exr)");
+    command->add_option(
+        "file", options->file,
+        "A data table (.csv), a material or blade preset (.toml), a map (.exr) or a "
+        "scan's record (.jsonld)");
     command->add_flag("--licences", options->licences,
                       "Print the licence texts of the built-in data");
     command->callback([options, &common] {

@@ -11,6 +11,7 @@ namespace togishi::cli {
 [[nodiscard]] nlohmann::ordered_json inspect_table(const std::filesystem::path& path);
 [[nodiscard]] nlohmann::ordered_json inspect_material(const std::filesystem::path& path);
 [[nodiscard]] nlohmann::ordered_json inspect_blade(const std::filesystem::path& path);
+[[nodiscard]] nlohmann::ordered_json inspect_record(const std::filesystem::path& path);
 [[nodiscard]] nlohmann::ordered_json inspect_map(const std::filesystem::path& path);
 
 /// Tells the kind by the first bytes and the name, and inspects. Throws InputError for a kind that

@@ -44,9 +44,10 @@ nlohmann::ordered_json inspect_file(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) {
         throw InputError(path.string(), "file", "missing or no regular file",
-                         "a .csv, .toml or .exr file");
+                         "a .csv, .toml, .exr or .jsonld file");
     }
     if (first_bytes(path) == exr_magic || path.extension() == ".exr") return inspect_map(path);
+    if (path.extension() == ".jsonld") return inspect_record(path);
     if (path.extension() == ".toml")
         return is_blade_preset(path) ? inspect_blade(path) : inspect_material(path);
     return inspect_table(path);
