@@ -8,6 +8,8 @@ import math
 import numpy as np
 import pytest
 import togishi_core
+from togishi.core import packing
+from togishi.core.scene_data import Light, LightKind
 
 pytestmark = pytest.mark.gpu
 
@@ -122,6 +124,60 @@ def test_a_room_is_mirrored_as_fresnel(scenes, renderer):
     np.testing.assert_allclose(picture[inner][:, :3], expected[inner], rtol=2e-3)
     # The room itself is behind the sphere.
     np.testing.assert_allclose(picture[0, 0], (0.5, 0.5, 0.5, 1.0), rtol=1e-3)
+
+
+@pytest.mark.parametrize("mirror", [1.0, -1.0])
+def test_the_far_side_does_not_shine_through_at_the_edge(scenes, renderer, mirror):
+    """A wedge whose thin edge has many small steps, with a lamp where only the far side, turned over, would mirror it."""
+    steps, slope = 400, 0.15
+    rng = np.random.default_rng(1)
+    x = np.linspace(-1.0, 1.0, steps)
+    edge = np.stack([x, np.zeros(steps), 0.02 * rng.random(steps)], -1)
+    front, back = (np.stack([x, y * np.ones(steps), 1.0 + 0 * x], -1) for y in (-slope, slope))
+    place = np.concatenate([edge, front, back]).astype(np.float32)
+    i = np.arange(steps - 1)
+
+    def strip(a, b):
+        return np.concatenate(
+            [np.stack([a + i, a + i + 1, b + i + 1], -1), np.stack([a + i, b + i + 1, b + i], -1)]
+        )
+
+    def ends(k):
+        return [(k, steps + k, 2 * steps + k)]
+
+    faces = [strip(0, steps), strip(2 * steps, 0), strip(steps, 2 * steps)]
+    faces += [np.asarray(ends(steps - 1))[:, ::-1], ends(0)]
+    triangles = np.concatenate(faces)
+    corner = place[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    # The faces, not their small steps: one normal each.
+    normal[: 2 * (steps - 1)] = np.array([0.0, -1.0, -slope]) / math.hypot(1.0, slope)
+    normal[2 * (steps - 1) : 4 * (steps - 1)] = np.array([0.0, 1.0, -slope]) / math.hypot(
+        1.0, slope
+    )
+    mesh = packing.build_mesh(
+        place,
+        triangles.reshape(-1).astype(np.int32),
+        np.arange(triangles.size).reshape(-1, 3),
+        np.arange(len(triangles)),
+        np.repeat(normal, 3, axis=0).astype(np.float32),
+        None,
+        None,
+        None,
+        None,
+    )
+    assert mesh.closed
+    camera = scenes.look_at((0.0, -6.0, 0.0), fov_deg=22.0, near=1e-4)
+    lamp = Light(LightKind.SUN, to_light=(0.0, -0.958, 0.287), power=1.0)
+    flip = np.diag([mirror, 1.0, 1.0, 1.0])
+
+    def brightest(skin):
+        scene = scenes.scene_of(skin, scenes.isotropic_blade(1.0), (lamp,), flip)
+        return renderer.draw(scene, camera, (900, 90), float32=True).read()[..., :3].max()
+
+    assert brightest(dataclasses.replace(mesh, closed=False)) > 1.0
+    assert brightest(mesh) < 1e-3
 
 
 def test_a_mirrored_object_is_the_mirror_image(scenes, renderer):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import togishi_core
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
@@ -157,6 +158,27 @@ def test_corners_that_agree_become_one_vertex():
     tilted = normal.copy()
     tilted[3:] = (0.0, 0.1, 0.995)
     assert len(packing.build_mesh(*arguments, tilted, None, None, None, None).position) == 6
+
+
+def test_a_closed_skin_is_told_from_an_open_an_inverted_and_a_folded_one():
+    katana = togishi_core.katana({}, 0.02)
+    start = katana.face_start
+    corners = np.concatenate(
+        [[(a, a + i, a + i + 1) for i in range(1, b - a - 1)] for a, b in itertools.pairwise(start)]
+    )
+    triangles = katana.corner_vertex[corners].astype(np.int64)
+    place = katana.positions_mm.astype(np.float32)
+    assert packing.is_closed(place, triangles)
+    assert packing.is_closed(place + np.float32(1000.0), triangles)
+    assert not packing.is_closed(place, triangles[1:])
+    assert not packing.is_closed(place, triangles[:, ::-1])
+    turned = triangles.copy()
+    turned[0] = turned[0, ::-1]
+    assert not packing.is_closed(place, turned)
+    assert not packing.is_closed(place, np.concatenate([triangles, triangles]))
+    nowhere = place.copy()
+    nowhere[triangles[0, 0]] = np.inf
+    assert not packing.is_closed(nowhere, triangles)
 
 
 def test_meshes_with_nan_stay_finite():

@@ -454,6 +454,23 @@ def _mean(normal: F32, group: NDArray[np.integer[Any]], count: int) -> F32:
     return mean
 
 
+def is_closed(position: F32, triangles: NDArray[np.int64]) -> bool:
+    """Whether triangles (T, 3) of vertices (V, 3) are the skin of a volume seen from outside: every edge has two of
+    them, wound alike, and the volume is above 0."""
+    a = triangles.reshape(-1)
+    b = np.roll(triangles, -1, axis=1).reshape(-1)
+    count = np.int64(len(position))
+    there, back = np.sort(a * count + b), np.sort(b * count + a)
+    if (there[1:] == there[:-1]).any() or not np.array_equal(there, back):
+        return False
+    with np.errstate(invalid="ignore"):  # vertices that are no places have no volume
+        p = position.astype(np.float64)
+        p -= p.mean(axis=0)
+        corner = p[triangles]
+        volume = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2]))
+    return bool(volume > 0.0)
+
+
 def build_mesh(
     position: F32,
     corner_vertex: NDArray[np.int32],
@@ -531,4 +548,5 @@ def build_mesh(
         uv=uv,
         tangent=tangent,
         groups=tuple(groups),
+        closed=is_closed(np.asarray(position), np.asarray(corner_vertex, np.int64)[triangles]),
     )

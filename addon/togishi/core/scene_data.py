@@ -41,6 +41,7 @@ class MeshData:
     uv: F32 | None  # (V, 2)
     tangent: F32 | None  # (V, 3), None: the object's x axis
     groups: tuple[MeshGroup, ...]
+    closed: bool = False  # a skin around a volume, wound outwards: its far side is never seen
 
     @property
     def triangle_count(self) -> int:

@@ -500,8 +500,10 @@ class Renderer:
                     if steel.variant.shape and textures.shape is not None:
                         shader.uniform_sampler("shape_atlas", textures.shape)
                 self._push_object(shader, item.instance, space, steel.number, -1.0)
+                gpu.state.face_culling_set(_unseen_faces(item))
                 item.batch.draw(shader)
                 self.counters.draw_calls += 1
+        gpu.state.face_culling_set("NONE")
 
     def _light_steels(
         self, scene: SceneData, space: ViewSpace, targets: _Targets, index: int
@@ -854,6 +856,15 @@ def _screen_state() -> None:
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("GREATER")
     gpu.state.depth_mask_set(False)
+
+
+def _unseen_faces(item: _SteelItem) -> str:
+    """The faces of a closed blade that look away. Within some micrometres of its edge line they lie as near as those
+    that are seen and win the depth test by rounding: bright dots along the edge where the far side is lit."""
+    if not item.mesh.data.closed:
+        return "NONE"
+    mirrored = float(np.linalg.det(item.instance.matrix[:3, :3])) < 0.0
+    return "FRONT" if mirrored else "BACK"
 
 
 def _solid_state() -> None:
