@@ -15,9 +15,10 @@ SAY := . tools/say.sh; say
 help: ## list the targets
 	@grep -hE '^[a-z0-9.-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 20
 
-setup: ## install what is missing (apt.txt, .venv with bpy 4.5 LTS)
+setup: ## install what is missing (apt.txt, .venv with bpy 4.5 LTS, meshoptimizer's sources)
 	@tools/setup_debian.sh
 	@tools/setup_python.sh .venv 3.11 blender-4-5 test dev
+	@tools/setup_meshoptimizer.sh
 
 setup-5.2: setup
 	@tools/setup_python.sh .venv-5.2 3.13 blender-5-2 test

@@ -1,0 +1,281 @@
+#include "mesh/distance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+
+namespace togishi {
+namespace {
+
+struct Closest {
+    glm::vec3 point;
+    glm::vec3 weights;
+};
+
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: by the Voronoi region of the triangle's
+/// features. A triangle without area falls on one of its edges.
+Closest closest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const glm::vec3 ab = b - a, ac = c - a, ap = p - a;
+    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return {a, {1, 0, 0}};
+    const glm::vec3 bp = p - b;
+    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return {b, {0, 1, 0}};
+    const float vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+        const float v = d1 / (d1 - d3);
+        return {a + v * ab, {1 - v, v, 0}};
+    }
+    const glm::vec3 cp = p - c;
+    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return {c, {0, 0, 1}};
+    const float vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+        const float w = d2 / (d2 - d6);
+        return {a + w * ac, {1 - w, 0, w}};
+    }
+    const float va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+        const float w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return {b + w * (c - b), {0, 1 - w, w}};
+    }
+    const float scale = 1 / (va + vb + vc);
+    const float v = vb * scale, w = vc * scale;
+    return {a + v * ab + w * ac, {1 - v - w, v, w}};
+}
+
+struct Box {
+    glm::vec3 low{std::numeric_limits<float>::infinity()};
+    glm::vec3 high{-std::numeric_limits<float>::infinity()};
+    void add(const glm::vec3& p) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    [[nodiscard]] float squared(const glm::vec3& p) const {
+        const glm::vec3 d = glm::max(glm::max(low - p, p - high), glm::vec3(0));
+        return glm::dot(d, d);
+    }
+};
+
+}  // namespace
+
+struct SurfaceTree::Nodes {
+    /// Leaves hold `order` from first on; inner nodes have their children at first and first + 1.
+    struct Node {
+        Box box;
+        std::uint32_t first = 0;
+        std::uint32_t count = 0;  ///< 0: an inner node
+    };
+    static constexpr std::uint32_t leaf_size = 6;
+
+    explicit Nodes(const TriangleMesh& m) : mesh(m), order(m.triangles.size()) {
+        std::iota(order.begin(), order.end(), 0U);
+        std::vector<glm::vec3> middles(order.size());
+        for (std::size_t t = 0; t < middles.size(); ++t) {
+            const Triangle& c = mesh.triangles[t];
+            middles[t] =
+                (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0F;
+        }
+        nodes.reserve(order.size() / 2 + 1);
+        nodes.emplace_back();
+        split(0, 0, static_cast<std::uint32_t>(order.size()), middles);
+        fit(0);
+    }
+
+    /// Halves at the median of the longest side; depth is log2 of the count.
+    void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
+               const std::vector<glm::vec3>& middles) {
+        if (end - begin <= leaf_size) {
+            nodes[node].first = begin;
+            nodes[node].count = end - begin;
+            return;
+        }
+        Box box;
+        for (std::uint32_t i = begin; i < end; ++i) box.add(middles[order[i]]);
+        const glm::vec3 size = box.high - box.low;
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const std::uint32_t half = begin + (end - begin) / 2;
+        std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end,
+                         [&](std::uint32_t a, std::uint32_t b) {
+                             return middles[a][axis] != middles[b][axis]
+                                        ? middles[a][axis] < middles[b][axis]
+                                        : a < b;
+                         });
+        const auto children = static_cast<std::uint32_t>(nodes.size());
+        nodes[node].first = children;
+        nodes.emplace_back();
+        nodes.emplace_back();
+        split(children, begin, half, middles);
+        split(children + 1, half, end, middles);
+    }
+    void fit(std::uint32_t node) {
+        Node& n = nodes[node];
+        if (n.count > 0) {
+            for (std::uint32_t i = n.first; i < n.first + n.count; ++i) {
+                for (const std::uint32_t v : mesh.triangles[order[i]]) n.box.add(mesh.positions[v]);
+            }
+            return;
+        }
+        fit(n.first);
+        fit(n.first + 1);
+        for (std::uint32_t k = 0; k < 2; ++k) {
+            n.box.add(nodes[n.first + k].box.low);
+            n.box.add(nodes[n.first + k].box.high);
+        }
+    }
+
+    const TriangleMesh& mesh;
+    std::vector<std::uint32_t> order;
+    std::vector<Node> nodes;
+};
+
+SurfaceTree::SurfaceTree(const TriangleMesh& mesh) {
+    if (mesh.triangles.empty()) {
+        throw InputError("mesh", "triangles", "0", "a surface of one triangle at least");
+    }
+    nodes_ = std::make_unique<Nodes>(mesh);
+}
+
+SurfaceTree::~SurfaceTree() = default;
+
+SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, float within) const {
+    const auto& all = nodes_->nodes;
+    const TriangleMesh& mesh = nodes_->mesh;
+    Nearest best;
+    float least = within * within;
+    best.distance = within;
+    struct Waiting {
+        std::uint32_t node;
+        float squared;
+    };
+    std::array<Waiting, 72> stack{};  // two a level, 32 levels for 2^32 triangles
+    std::size_t depth = 0;
+    stack[depth++] = {0, all[0].box.squared(point)};
+    while (depth > 0) {
+        const Waiting next = stack[--depth];
+        if (next.squared >= least) continue;
+        const auto& node = all[next.node];
+        if (node.count > 0) {
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+                const std::uint32_t t = nodes_->order[i];
+                const Triangle& c = mesh.triangles[t];
+                const Closest found = closest_on(point, mesh.positions[c[0]], mesh.positions[c[1]],
+                                                 mesh.positions[c[2]]);
+                const glm::vec3 off = point - found.point;
+                const float squared = glm::dot(off, off);
+                if (squared < least) {
+                    least = squared;
+                    best = {t, found.point, found.weights, 0};
+                }
+            }
+            if (least < within * within) best.distance = std::sqrt(least);
+            continue;
+        }
+        Waiting near{node.first, all[node.first].box.squared(point)};
+        Waiting far{node.first + 1, all[node.first + 1].box.squared(point)};
+        if (far.squared < near.squared) std::swap(near, far);
+        stack[depth++] = far;
+        stack[depth++] = near;
+    }
+    return best;
+}
+
+namespace {
+
+/// Fractions of a row that no two places share: Roberts' R2 sequence.
+double fraction(double step, std::size_t i) {
+    const double x = step * static_cast<double>(i + 1);
+    return x - std::floor(x);
+}
+
+/// Points on `from`, told from `to`'s origin: all its vertices, or every so manieth, and points
+/// even over its area.
+struct Samples {
+    std::vector<glm::vec3> points;
+    std::size_t even = 0;  ///< the first of those that are even over the area
+};
+
+Samples sample(const TriangleMesh& from, const glm::dvec3& origin, std::size_t count) {
+    const glm::dvec3 shift = from.origin - origin;
+    const auto place = [&](const glm::dvec3& p) { return glm::vec3(p + shift); };
+    Samples out;
+    const std::size_t vertices = from.positions.size();
+    const std::size_t wanted = std::min(vertices, count / 2 + 1);
+    for (std::size_t i = 0; i < wanted; ++i) {
+        // Integer steps by 64 bits: vertices and counts stay far below 2^32.
+        out.points.push_back(place(from.positions[i * vertices / wanted]));
+    }
+    out.even = out.points.size();
+    std::vector<double> up_to(from.triangles.size());
+    double sum = 0;
+    for (std::size_t t = 0; t < up_to.size(); ++t) {
+        const Triangle& c = from.triangles[t];
+        const glm::dvec3 a = from.positions[c[0]];
+        sum += glm::length(
+            glm::cross(glm::dvec3(from.positions[c[1]]) - a, glm::dvec3(from.positions[c[2]]) - a));
+        up_to[t] = sum;
+    }
+    const std::size_t even = std::max<std::size_t>(1, count - std::min(count, wanted));
+    std::size_t t = 0;
+    for (std::size_t i = 0; i < even; ++i) {
+        const double at = sum * (static_cast<double>(i) + 0.5) / static_cast<double>(even);
+        while (t + 1 < up_to.size() && up_to[t] < at) ++t;
+        double u = fraction(0.7548776662466927, i), v = fraction(0.5698402909980532, i);
+        if (u + v > 1) {
+            u = 1 - u;
+            v = 1 - v;
+        }
+        const Triangle& c = from.triangles[t];
+        const glm::dvec3 a = from.positions[c[0]], b = from.positions[c[1]],
+                         d = from.positions[c[2]];
+        out.points.push_back(place(a + u * (b - a) + v * (d - a)));
+    }
+    return out;
+}
+
+/// Distances of the samples of `from` to `to`, and where the even ones begin.
+std::pair<std::vector<float>, std::size_t> distances(const TriangleMesh& from,
+                                                     const TriangleMesh& to, std::size_t count) {
+    const SurfaceTree tree(to);
+    const Samples samples = sample(from, to.origin, count);
+    std::vector<float> out(samples.points.size());
+    parallel_for(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            out[i] = tree.nearest(samples.points[i], std::numeric_limits<float>::max()).distance;
+        }
+    });
+    return {std::move(out), samples.even};
+}
+
+}  // namespace
+
+MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b, std::size_t samples) {
+    if (a.triangles.empty()) {
+        throw InputError("mesh", "triangles", "0", "a surface of one triangle at least");
+    }
+    const auto [there, there_even] = distances(a, b, samples);
+    const auto [back, back_even] = distances(b, a, samples);
+    MeshDistance d;
+    d.samples = there.size() + back.size();
+    d.largest_there = *std::max_element(there.begin(), there.end());
+    d.largest_back = *std::max_element(back.begin(), back.end());
+    d.largest = std::max(d.largest_there, d.largest_back);
+    double sum = 0;
+    std::vector<float> even(there.begin() + static_cast<std::ptrdiff_t>(there_even), there.end());
+    even.insert(even.end(), back.begin() + static_cast<std::ptrdiff_t>(back_even), back.end());
+    for (const float x : even) sum += double{x} * x;
+    d.rms = std::sqrt(sum / static_cast<double>(even.size()));
+    const auto place =
+        even.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(even.size() - 1));
+    std::nth_element(even.begin(), place, even.end());
+    d.p99 = *place;
+    return d;
+}
+
+}  // namespace togishi

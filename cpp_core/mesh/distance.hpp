@@ -1,0 +1,48 @@
+// How far two surfaces lie apart.
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "mesh/triangle_mesh.hpp"
+
+namespace togishi {
+
+/// The mesh's unit. Sampled: the largest distance between is not below `largest`, and as near to it
+/// as the samples are dense.
+struct MeshDistance {
+    double largest = 0;                          ///< of both ways: the sampled Hausdorff distance
+    double largest_there = 0, largest_back = 0;  ///< from a to b, from b to a
+    double rms = 0;  ///< over both ways' samples, which are even over the area
+    double p99 = 0;  ///< 99 % of them are nearer
+    std::size_t samples = 0;
+};
+
+/// Points: all vertices up to `samples` per side, the rest even over the area; the same for the
+/// same meshes. Throws InputError where one has no triangles.
+[[nodiscard]] MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b,
+                                         std::size_t samples = 200'000);
+
+/// The nearest point of a surface, in a tree of boxes over its triangles.
+class SurfaceTree {
+  public:
+    /// Keeps references into `mesh`, which must outlive it; one triangle at least.
+    explicit SurfaceTree(const TriangleMesh& mesh);
+    ~SurfaceTree();
+    SurfaceTree(const SurfaceTree&) = delete;
+    SurfaceTree& operator=(const SurfaceTree&) = delete;
+
+    struct Nearest {
+        std::uint32_t triangle = 0;
+        glm::vec3 point{};    ///< told from the mesh's origin
+        glm::vec3 weights{};  ///< of the triangle's corners
+        float distance = 0;   ///< `within` where nothing is that near
+    };
+    /// point: told from the mesh's origin. Nothing farther than `within` is looked for.
+    [[nodiscard]] Nearest nearest(const glm::vec3& point, float within) const;
+
+  private:
+    struct Nodes;
+    std::unique_ptr<Nodes> nodes_;
+};
+
+}  // namespace togishi
