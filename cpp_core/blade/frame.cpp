@@ -86,26 +86,24 @@ ChartPoint BladeFrame::locate(double u, double v) const {
     const double t = from_ridge();
     p.s_mm = s;
     p.from_ridge_mm = t;
+    p.part = part_at(s, t);
     const double edge = at(edge_mm, s);
     if (s < 0) {
         p.from_edge_mm = std::max(0.0, edge - t);
-        p.part = t <= edge ? Part::nakago : Part::other;
-        return p;
-    }
-    p.from_edge_mm = t < edge ? distance_to_edge_mm(x, t + at(lift_mm, s), s) : 0;
-    const bool kissaki = s > yokote_s_mm;
-    if (t > edge) {
-        p.part = Part::other;
-    } else if (t <= at(mune_mm, s)) {
-        p.part = Part::mune;
-    } else if (t <= at(shinogi_mm, s)) {
-        p.part = Part::shinogi_ji;
-    } else if (t <= at(suguha_mm, s)) {
-        p.part = kissaki ? Part::kissaki : Part::ji;
-    } else {
-        p.part = kissaki ? Part::boshi : Part::ha;
+    } else if (t < edge) {
+        p.from_edge_mm = distance_to_edge_mm(x, t + at(lift_mm, s), s);
     }
     return p;
+}
+
+Part BladeFrame::part_at(double s_mm, double from_ridge_mm) const {
+    if (from_ridge_mm > at(edge_mm, s_mm)) return Part::other;
+    if (s_mm < 0) return Part::nakago;
+    if (from_ridge_mm <= at(mune_mm, s_mm)) return Part::mune;
+    if (from_ridge_mm <= at(shinogi_mm, s_mm)) return Part::shinogi_ji;
+    const bool kissaki = s_mm > yokote_s_mm;
+    if (from_ridge_mm <= at(suguha_mm, s_mm)) return kissaki ? Part::kissaki : Part::ji;
+    return kissaki ? Part::boshi : Part::ha;
 }
 
 void check_frame(const BladeFrame& frame, std::string_view where) {

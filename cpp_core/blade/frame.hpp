@@ -29,11 +29,12 @@ struct ChartPoint {
     bool omote = true;
 };
 
-/// The blade's outline in its chart. Built by make_blade_frame (katana_frame.hpp), later by the
-/// scan import. Outline curves are sampled at equal steps of s from -nakago_mm to nagasa_mm.
+/// The blade's outline in its chart. Built by make_blade_frame (katana_frame.hpp) or from a
+/// scan (scanned/chart.hpp). Outline curves are sampled at equal steps of s from -nakago_mm to
+/// nagasa_mm.
 class BladeFrame {
   public:
-    double nakago_mm = 0;         ///< chart length of the nakago, > 0
+    double nakago_mm = 0;         ///< chart length of the nakago; 0: a scan without a tang
     double nagasa_mm = 0;         ///< chart length machi to tip, > 0
     double chart_height_mm = 0;   ///< developed width that v in [0, 1] spans
     double yokote_s_mm = 0;       ///< where the yokote lies; nagasa where the blade has none
@@ -50,6 +51,9 @@ class BladeFrame {
     [[nodiscard]] double length_mm() const { return nakago_mm + nagasa_mm; }
     /// u, v in [0, 1]; outside, the nearest point of the chart's border is taken.
     [[nodiscard]] ChartPoint locate(double u, double v) const;
+
+    /// Part of the point at s, t; Part::other beyond the edge line.
+    [[nodiscard]] Part part_at(double s_mm, double from_ridge_mm) const;
 
     /// Chart abscissa (u = (x + nakago)/length) of the point at s, t.
     [[nodiscard]] double chart_x_mm(double s_mm, double from_ridge_mm) const;

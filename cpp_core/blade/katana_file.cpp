@@ -62,7 +62,7 @@ struct PlyVertexHash {
     }
 };
 
-void write_ply(Writer& out, const KatanaMesh& mesh) {
+void write_ply(Writer& out, const BladeMesh& mesh) {
     std::unordered_map<PlyVertex, std::int32_t, PlyVertexHash> known;
     std::vector<PlyVertex> vertices;
     std::vector<std::int32_t> corners;
@@ -106,7 +106,7 @@ void write_ply(Writer& out, const KatanaMesh& mesh) {
     }
 }
 
-void write_obj(Writer& out, const KatanaMesh& mesh) {
+void write_obj(Writer& out, const BladeMesh& mesh) {
     out.text("# Togishi katana, mm, +X to the tip, +Z to the mune\no katana\n");
     for (const glm::dvec3& p : mesh.positions_mm) out.print("v %.6f %.6f %.6f\n", p.x, p.y, p.z);
     for (const glm::vec2& t : mesh.corner_uv) out.print("vt %.7f %.7f\n", t.x, t.y);
@@ -132,7 +132,7 @@ void write_obj(Writer& out, const KatanaMesh& mesh) {
 
 }  // namespace
 
-void write_katana_mesh(const std::filesystem::path& target, const KatanaMesh& mesh) {
+void write_katana_mesh(const std::filesystem::path& target, const BladeMesh& mesh) {
     std::string extension = target.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
         return static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);

@@ -25,6 +25,6 @@ KatanaPreset parse_katana_preset(std::string_view text, std::string_view where);
 /// one material per part. .ply: binary little endian, mm; x y z nx ny nz s t and s_mm t_mm per
 /// vertex, so vertices are split where normals or UVs break; per face its vertex_indices and `part`
 /// (shaders/shared/parts.glsl).
-void write_katana_mesh(const std::filesystem::path& target, const KatanaMesh& mesh);
+void write_katana_mesh(const std::filesystem::path& target, const BladeMesh& mesh);
 
 }  // namespace togishi

@@ -4,29 +4,6 @@
 #include "blade/katana_mesh.hpp"
 
 namespace togishi {
-namespace {
-
-// Singular values of the map from the surface of triangle (p, q, r) to its place (a, b, c) in the
-// chart.
-glm::dvec2 stretch(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r,
-                   const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
-    const double length = glm::length(q - p);
-    const glm::dvec3 x = (q - p) / length;
-    const double rx = glm::dot(r - p, x);
-    const double ry = glm::length(r - p - rx * x);
-    const glm::dvec2 jx = (b - a) / length;
-    const glm::dvec2 jy = (c - a - jx * rx) / ry;
-    const double sum = glm::dot(jx, jx) + glm::dot(jy, jy);
-    const double determinant = jx.x * jy.y - jx.y * jy.x;
-    const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
-    return {std::sqrt(std::max(0.0, 0.5 * (sum - root))), std::sqrt(0.5 * (sum + root))};
-}
-
-// A single-precision UV places a corner to 3e-5 mm; below this height of a triangle that is no
-// measure of the chart.
-constexpr double least_height_mm = 0.02;
-
-}  // namespace
 
 std::map<std::string, double> measure_katana(const KatanaMesh& mesh,
                                              const KatanaParameters& parameters) {
@@ -73,8 +50,6 @@ std::map<std::string, double> measure_katana(const KatanaMesh& mesh,
 
     double volume = 0;
     double area = 0;
-    double worst = 0;
-    const glm::dvec2 chart(mesh.frame.length_mm(), mesh.frame.chart_height_mm);
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
         const auto a = static_cast<std::size_t>(mesh.face_start[f]);
         const auto b = static_cast<std::size_t>(mesh.face_start[f + 1]);
@@ -82,21 +57,13 @@ std::map<std::string, double> measure_katana(const KatanaMesh& mesh,
             const glm::dvec3& p = at(mesh.corner_vertex[a]);
             const glm::dvec3& q = at(mesh.corner_vertex[c]);
             const glm::dvec3& r = at(mesh.corner_vertex[c + 1]);
-            const double twice = glm::length(glm::cross(q - p, r - p));
             volume += glm::dot(p, glm::cross(q, r)) / 6;
-            area += 0.5 * twice;
-            const double longest =
-                std::max({glm::distance(p, q), glm::distance(q, r), glm::distance(r, p)});
-            if (mesh.face_part[f] == Part::nakago || twice < least_height_mm * longest) continue;
-            const glm::dvec2 values = stretch(p, q, r, glm::dvec2(mesh.corner_uv[a]) * chart,
-                                              glm::dvec2(mesh.corner_uv[c]) * chart,
-                                              glm::dvec2(mesh.corner_uv[c + 1]) * chart);
-            worst = std::max({worst, values.y - 1, 1 - values.x});
+            area += 0.5 * glm::length(glm::cross(q - p, r - p));
         }
     }
     m["volume_mm3"] = volume;
     m["area_mm2"] = area;
-    m["uv_stretch_percent"] = 100 * worst;
+    m["uv_stretch_percent"] = uv_stretch_percent(mesh);
     m["vertices"] = static_cast<double>(mesh.positions_mm.size());
     m["faces"] = static_cast<double>(mesh.face_count());
     return m;

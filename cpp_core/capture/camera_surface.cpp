@@ -105,7 +105,7 @@ SurfaceView view_of_plane(const glm::dvec3& point_mm, const glm::dvec3& normal,
     return view;
 }
 
-SurfaceView view_of_mesh(const KatanaMesh& mesh, const Camera& camera) {
+SurfaceView view_of_mesh(const BladeMesh& mesh, const Camera& camera) {
     SurfaceView view = empty_view(camera);
     view.part.assign(view.pixels(), Part::other);
     std::vector<std::optional<glm::dvec2>> projected(mesh.positions_mm.size());

@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-#include "blade/katana_mesh.hpp"
+#include "blade/blade_mesh.hpp"
 #include "capture/camera.hpp"
 
 namespace togishi {
@@ -36,7 +36,7 @@ struct Plate {
 [[nodiscard]] SurfaceView view_of_plate(const Plate& plate, const Camera& camera);
 
 /// By a depth buffer, at the pixels' centres; faces turned away are not seen.
-[[nodiscard]] SurfaceView view_of_mesh(const KatanaMesh& mesh, const Camera& camera);
+[[nodiscard]] SurfaceView view_of_mesh(const BladeMesh& mesh, const Camera& camera);
 
 /// An evenly flat surface that fills the picture: for photographs of which no more is known.
 [[nodiscard]] SurfaceView view_of_plane(const glm::dvec3& point_mm, const glm::dvec3& normal,

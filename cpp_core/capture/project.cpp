@@ -23,7 +23,7 @@ struct ChartSurface {
     std::vector<float> part;
 };
 
-ChartSurface chart_surface(const KatanaMesh& mesh, std::size_t width, std::size_t height) {
+ChartSurface chart_surface(const BladeMesh& mesh, std::size_t width, std::size_t height) {
     ChartSurface chart;
     const std::size_t n = width * height;
     chart.on.assign(n, 0);
@@ -183,7 +183,7 @@ f64::LobeMoments moments_at(const PropertyMaps& maps, MapChannel first, std::siz
 
 }  // namespace
 
-ProjectResult project_maps(const KatanaMesh& mesh, const std::vector<ProjectedMap>& photographs,
+ProjectResult project_maps(const BladeMesh& mesh, const std::vector<ProjectedMap>& photographs,
                            const ProjectOptions& options, const ProjectProgress& progress) {
     if (photographs.empty()) throw InputError("project", "photographs", "none", "one or more");
     if (options.width < 1 || options.height < 1 || options.width > 32768 || options.height > 32768)

@@ -50,7 +50,7 @@ struct ProjectCancelled {};
 /// a place, how far it is from where their border cuts the blade off and from masked pixels. Throws
 /// InputError: no photograph, a map that does not fit its camera, a blade that no photograph shows.
 /// ProjectCancelled.
-[[nodiscard]] ProjectResult project_maps(const KatanaMesh& mesh,
+[[nodiscard]] ProjectResult project_maps(const BladeMesh& mesh,
                                          const std::vector<ProjectedMap>& photographs,
                                          const ProjectOptions& options,
                                          const ProjectProgress& progress = {});

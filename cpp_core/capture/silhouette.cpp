@@ -28,7 +28,7 @@ struct Edge {
     std::size_t face[2];
 };
 
-std::vector<Edge> edges_of(const KatanaMesh& mesh) {
+std::vector<Edge> edges_of(const BladeMesh& mesh) {
     std::vector<Edge> edges;
     std::unordered_map<std::uint64_t, std::size_t> found;
     found.reserve(2 * mesh.corner_vertex.size());
@@ -59,7 +59,7 @@ struct OutlinePoint {
     double px_per_mm;
 };
 
-std::vector<OutlinePoint> outline_of(const KatanaMesh& mesh, const std::vector<Edge>& edges,
+std::vector<OutlinePoint> outline_of(const BladeMesh& mesh, const std::vector<Edge>& edges,
                                      const Camera& camera) {
     std::vector<std::uint8_t> front(mesh.face_count(), 0);
     for (std::size_t f = 0; f < front.size(); ++f) {
@@ -189,7 +189,7 @@ struct Matches {
     double rms_mm = 0, p90_mm = 0, rms_px = 0;
 };
 
-Matches match(const KatanaMesh& mesh, const std::vector<Edge>& edges, const Camera& camera,
+Matches match(const BladeMesh& mesh, const std::vector<Edge>& edges, const Camera& camera,
               const EdgeFinder& finder, double reach_mm) {
     Matches out;
     std::vector<double> mm;
@@ -229,7 +229,7 @@ std::string number(double value) {
 
 }  // namespace
 
-SilhouetteFit refine_on_silhouette(const KatanaMesh& mesh, const Camera& start,
+SilhouetteFit refine_on_silhouette(const BladeMesh& mesh, const Camera& start,
                                    const std::vector<float>& picture,
                                    const std::vector<Landmark>& landmarks,
                                    const SilhouetteOptions& options) {

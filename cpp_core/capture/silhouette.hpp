@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "blade/katana_mesh.hpp"
+#include "blade/blade_mesh.hpp"
 #include "capture/camera.hpp"
 #include "capture/camera_pose.hpp"
 
@@ -34,7 +34,7 @@ struct SilhouetteFit {
 /// the start is then trusted to search_mm and half a degree. Throws InputError: a picture of
 /// another size than the camera's, an outline that lies outside the picture or is found on less
 /// than half of it, residuals above max_residual_mm.
-[[nodiscard]] SilhouetteFit refine_on_silhouette(const KatanaMesh& mesh, const Camera& start,
+[[nodiscard]] SilhouetteFit refine_on_silhouette(const BladeMesh& mesh, const Camera& start,
                                                  const std::vector<float>& picture,
                                                  const std::vector<Landmark>& landmarks,
                                                  const SilhouetteOptions& options);

@@ -252,7 +252,7 @@ std::vector<double> card_radiance(const SurfaceView& view, const Illumination& i
     return radiance;
 }
 
-std::vector<double> picture_against_light(const KatanaMesh& mesh, const Camera& camera) {
+std::vector<double> picture_against_light(const BladeMesh& mesh, const Camera& camera) {
     constexpr std::size_t rays = 3;
     Camera fine = camera;
     fine.width_px *= static_cast<int>(rays);

@@ -68,7 +68,7 @@ struct RadianceOptions {
 
 /// A blade before an even light, the ground 1 and the blade 0, three by three rays a pixel: for
 /// `expose`, as a picture of the outline.
-[[nodiscard]] std::vector<double> picture_against_light(const KatanaMesh& mesh,
+[[nodiscard]] std::vector<double> picture_against_light(const BladeMesh& mesh,
                                                         const Camera& camera);
 
 struct SensorOptions {

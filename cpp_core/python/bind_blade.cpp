@@ -71,7 +71,7 @@ py::array view(const py::object& owner, const std::vector<Element>& data) {
 }
 
 template <typename Scalar, typename Member>
-auto viewer(Member KatanaMesh::*member) {
+auto viewer(Member BladeMesh::*member) {
     return [member](const py::object& self) {
         return view<Scalar>(self, self.cast<const Katana&>().mesh.*member);
     };
@@ -84,15 +84,15 @@ void bind_blade(py::module_& m) {
         m, "Katana",
         "A generated blade. Positions in mm: +X to the tip, +Z towards the mune (back), +Y to "
         "omote's outside.")
-        .def_property_readonly("positions_mm", viewer<double>(&KatanaMesh::positions_mm))
-        .def_property_readonly("corner_vertex", viewer<std::int32_t>(&KatanaMesh::corner_vertex))
-        .def_property_readonly("face_start", viewer<std::int32_t>(&KatanaMesh::face_start))
-        .def_property_readonly("face_part", viewer<std::uint8_t>(&KatanaMesh::face_part))
-        .def_property_readonly("corner_normal", viewer<float>(&KatanaMesh::corner_normal))
-        .def_property_readonly("corner_tangent", viewer<float>(&KatanaMesh::corner_tangent))
-        .def_property_readonly("corner_uv", viewer<float>(&KatanaMesh::corner_uv))
-        .def_property_readonly("s_mm", viewer<float>(&KatanaMesh::s_mm))
-        .def_property_readonly("t_mm", viewer<float>(&KatanaMesh::t_mm))
+        .def_property_readonly("positions_mm", viewer<double>(&BladeMesh::positions_mm))
+        .def_property_readonly("corner_vertex", viewer<std::int32_t>(&BladeMesh::corner_vertex))
+        .def_property_readonly("face_start", viewer<std::int32_t>(&BladeMesh::face_start))
+        .def_property_readonly("face_part", viewer<std::uint8_t>(&BladeMesh::face_part))
+        .def_property_readonly("corner_normal", viewer<float>(&BladeMesh::corner_normal))
+        .def_property_readonly("corner_tangent", viewer<float>(&BladeMesh::corner_tangent))
+        .def_property_readonly("corner_uv", viewer<float>(&BladeMesh::corner_uv))
+        .def_property_readonly("s_mm", viewer<float>(&BladeMesh::s_mm))
+        .def_property_readonly("t_mm", viewer<float>(&BladeMesh::t_mm))
         .def_property_readonly("chart_mm",
                                [](const Katana& k) {
                                    return py::make_tuple(k.mesh.frame.length_mm(),

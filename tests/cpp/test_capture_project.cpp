@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "blade/katana_mesh.hpp"
 #include "brdf/model.hpp"
 #include "capture/project.hpp"
 #include "capture/simulate.hpp"

@@ -1,0 +1,54 @@
+#include "blade/blade_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace togishi {
+namespace {
+
+// Singular values of the map from the surface of triangle (p, q, r) to its place (a, b, c) in the
+// chart.
+glm::dvec2 stretch(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r,
+                   const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+    const double length = glm::length(q - p);
+    const glm::dvec3 x = (q - p) / length;
+    const double rx = glm::dot(r - p, x);
+    const double ry = glm::length(r - p - rx * x);
+    const glm::dvec2 jx = (b - a) / length;
+    const glm::dvec2 jy = (c - a - jx * rx) / ry;
+    const double sum = glm::dot(jx, jx) + glm::dot(jy, jy);
+    const double determinant = jx.x * jy.y - jx.y * jy.x;
+    const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
+    return {std::sqrt(std::max(0.0, 0.5 * (sum - root))), std::sqrt(0.5 * (sum + root))};
+}
+
+}  // namespace
+
+double uv_stretch_percent(const BladeMesh& mesh, double least_height_mm) {
+    double worst = 0;
+    const glm::dvec2 chart(mesh.frame.length_mm(), mesh.frame.chart_height_mm);
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+        if (mesh.face_part[f] == Part::nakago || mesh.face_part[f] == Part::other) continue;
+        const auto a = static_cast<std::size_t>(mesh.face_start[f]);
+        const auto b = static_cast<std::size_t>(mesh.face_start[f + 1]);
+        auto at = [&](std::size_t corner) -> const glm::dvec3& {
+            return mesh.positions_mm[static_cast<std::size_t>(mesh.corner_vertex[corner])];
+        };
+        for (std::size_t c = a + 1; c + 1 < b; ++c) {
+            const glm::dvec3& p = at(a);
+            const glm::dvec3& q = at(c);
+            const glm::dvec3& r = at(c + 1);
+            const double twice = glm::length(glm::cross(q - p, r - p));
+            const double longest =
+                std::max({glm::distance(p, q), glm::distance(q, r), glm::distance(r, p)});
+            if (twice < least_height_mm * longest) continue;
+            const glm::dvec2 values = stretch(p, q, r, glm::dvec2(mesh.corner_uv[a]) * chart,
+                                              glm::dvec2(mesh.corner_uv[c]) * chart,
+                                              glm::dvec2(mesh.corner_uv[c + 1]) * chart);
+            worst = std::max({worst, values.y - 1, 1 - values.x});
+        }
+    }
+    return 100 * worst;
+}
+
+}  // namespace togishi

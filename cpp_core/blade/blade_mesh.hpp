@@ -1,0 +1,42 @@
+// The mesh of a blade, generated or scanned, with its chart.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "blade/frame.hpp"
+#include "blade/part.hpp"
+
+namespace togishi {
+
+/// A polygon mesh. mm; mune-machi in the origin, +X to the tip, +Z to the back, +Y out of omote. V
+/// vertices, F faces, C corners; faces turn counter-clockwise seen from outside.
+struct BladeMesh {
+    std::vector<glm::dvec3> positions_mm;     ///< V
+    std::vector<float> s_mm;                  ///< V, developed length from the machi
+    std::vector<float> t_mm;                  ///< V, developed distance from the mune ridge
+    std::vector<std::int32_t> corner_vertex;  ///< C
+    std::vector<std::int32_t> face_start;     ///< F + 1, first corner of each face
+    std::vector<Part> face_part;              ///< F
+    std::vector<glm::vec3> corner_normal;  ///< C, unit, of the smooth surface, broken at its ridges
+    std::vector<glm::vec3>
+        corner_tangent;                ///< C, unit, at right angles to the normal, towards the tip
+    std::vector<glm::vec2> corner_uv;  ///< C, the chart of frame.hpp
+    BladeFrame frame;
+
+    [[nodiscard]] std::size_t face_count() const { return face_part.size(); }
+};
+
+/// A single-precision UV places a corner to 3e-5 mm: lower triangles are no measure of the chart.
+inline constexpr double least_chart_height_mm = 0.02;
+/// The same for a scan, whose surface is known to some hundredths of a millimetre.
+inline constexpr double least_scan_height_mm = 0.5;
+
+/// The largest stretch of the chart over the blade from machi to tip, in the triangles that are not
+/// lower than this: by how many percent a length in it differs from the surface's. The nakago (its
+/// walls lie across the chart) and what is no part of the blade are left out.
+[[nodiscard]] double uv_stretch_percent(const BladeMesh& mesh,
+                                        double least_height_mm = least_chart_height_mm);
+
+}  // namespace togishi
