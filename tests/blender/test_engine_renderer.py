@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import togishi_core
 from togishi.core import packing
-from togishi.core.scene_data import Light, LightKind
+from togishi.core.scene_data import Light, LightKind, World
 
 pytestmark = pytest.mark.gpu
 
@@ -124,6 +124,33 @@ def test_a_room_is_mirrored_as_fresnel(scenes, renderer):
     np.testing.assert_allclose(picture[inner][:, :3], expected[inner], rtol=2e-3)
     # The room itself is behind the sphere.
     np.testing.assert_allclose(picture[0, 0], (0.5, 0.5, 0.5, 1.0), rtol=1e-3)
+
+
+@pytest.mark.parametrize("step", [2, 4])
+def test_coarse_pixels_lie_where_the_fine_ones_do(scenes, renderer, step):
+    """Drawn with wider pixels and put on the screen again: a silhouette's middle and area stay."""
+    import gpu
+    from togishi.core import pace
+    from togishi.engine.renderer import read_texture
+
+    size = (101, 91)  # no multiple of the step
+    scene = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(), (), world=World((0.5,) * 3))
+    scene = dataclasses.replace(scene, transparent=True)
+    camera = scenes.look_at((0.3, -4.0, 0.2), (0.3, 0.0, 0.1), fov_deg=40.0, aspect=101 / 91)
+    fine = renderer.draw(scene, camera, size, float32=True).read()[..., 3]
+    picture, following = renderer.draw_moving(scene, camera, size, step)
+    assert picture.size == pace.coarse_size(size, step)
+    assert following in (1, 2, 4)
+    screen = gpu.types.GPUTexture(size, format="RGBA32F")
+    with gpu.types.GPUFrameBuffer(color_slots=[screen]).bind():
+        renderer.copy(picture.colour, step=step)
+    coarse = read_texture(screen)[..., 3]
+    assert fine.sum() == pytest.approx(coarse.sum(), rel=0.02)
+    for axis in (0, 1):
+        places = np.arange(fine.shape[axis])
+        middles = [(a.sum(axis=1 - axis) * places).sum() / a.sum() for a in (fine, coarse)]
+        # Whole pixels are in or out: that noise grows with their size.
+        assert abs(middles[0] - middles[1]) < 0.12 * step
 
 
 @pytest.mark.parametrize("mirror", [1.0, -1.0])

@@ -15,7 +15,7 @@ import togishi_core
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
-from togishi.core import packing, sampling, shader_source, tangents
+from togishi.core import pace, packing, sampling, shader_source, tangents
 from togishi.core.scene_data import Camera, Light, LightKind, PlainMaterial, SteelMaterial, World
 from togishi.core.shader_source import LightVariant, SteelVariant
 
@@ -238,3 +238,19 @@ def test_samples_are_spread_about_the_centre(samples):
     np.testing.assert_allclose(offsets.mean(axis=0), 0.0, atol=1e-6)
     assert len(np.unique(offsets[:, 0])) == samples
     np.testing.assert_array_equal(offsets, sampling.pixel_offsets(samples, 1.5))
+
+
+def test_pixels_are_coarse_only_where_the_machine_is_slow():
+    assert pace.next_step(1, 0.02) == 1
+    assert pace.next_step(1, 0.5) == 2
+    assert pace.next_step(2, 0.5) == 4
+    assert pace.next_step(4, 5.0) == pace.COARSEST
+    # Between the two limits it stays: it must not swing.
+    assert pace.next_step(2, 0.05) == 2
+    assert pace.next_step(2, 0.01) == 1
+    assert pace.next_step(4, 0.01) == 2
+    for seconds in (0.001, 0.03, 0.09, 0.3, 2.0):
+        step = 1
+        for _ in range(8):
+            before, step = step, pace.next_step(step, seconds / step**2)
+        assert pace.next_step(step, seconds / step**2) == step == before

@@ -77,6 +77,17 @@ def view_space(
     )
 
 
+def coarse_camera(camera: Camera, size: tuple[int, int], step: int) -> Camera:
+    """The camera of a picture of `size` pixels for one whose pixels are `step` times as wide: where they do not fit
+    into it, the last ones reach beyond the right and upper border."""
+    projection = np.array(camera.projection, np.float64)
+    for axis in (0, 1):
+        share = size[axis] / (-(-size[axis] // step) * step)
+        # clip' = share (clip + w) - w: the left and lower border stay.
+        projection[axis] = share * (projection[axis] + projection[3]) - projection[3]
+    return Camera(camera.view, projection)
+
+
 def frame_block(
     camera: ViewSpace,
     world_rgb: Sequence[float],

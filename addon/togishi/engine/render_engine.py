@@ -31,6 +31,8 @@ class _Viewport:
         self.gathering: Gathering | None = None
         self.gathered: tuple[object, ...] = ()
         self.moving: Picture | None = None  # what is shown while something moves
+        self.moving_step = 1  # side of its pixels, in the screen's
+        self.step = 1  # of the next one
         self.moved_s = 0.0
 
 
@@ -202,12 +204,13 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
                 renderer.copy(renderer.draw(scene, camera, size).colour, blend="ALPHA_PREMULT")
                 return
         elif moved:
-            view.moving = renderer.draw(scene, camera, size, moving=True)
+            view.moving_step = view.step
+            view.moving, view.step = renderer.draw_moving(scene, camera, size, view.step)
             view.moved_s = time.monotonic()
         if view.moving is not None:
             if time.monotonic() - view.moved_s < REST_S:
                 # The next movement is not kept waiting for a refined picture that nobody will look at.
-                renderer.copy(view.moving.colour, blend="ALPHA_PREMULT")
+                renderer.copy(view.moving.colour, blend="ALPHA_PREMULT", step=view.moving_step)
                 self.tag_redraw()
                 return
             view.moving = None

@@ -7,6 +7,7 @@ changed since the picture before and nothing else; `counters` says what that was
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, field, fields, replace
 
 import gpu
@@ -21,7 +22,7 @@ from gpu.types import (
     GPUVertFormat,
 )
 
-from ..core import packing, shader_source, surroundings
+from ..core import pace, packing, shader_source, surroundings
 from ..core.packing import LightPass, ViewSpace
 from ..core.sampling import pixel_offsets
 from ..core.scene_data import (
@@ -297,6 +298,24 @@ class Renderer:
             for metal in {steel.material.metal for steel in self._steels}:
                 self._table(metal, scene, index)
 
+    def draw_moving(
+        self, scene: SceneData, camera: Camera, size: tuple[int, int], step: int
+    ) -> tuple[Picture, int]:
+        """A picture for while something moves, its pixels `step` of the screen's wide (copy() puts it there), and the
+        step for the next one. Waits for the GPU: nothing else tells how long it took."""
+        begin = time.monotonic()
+        built = self.counters.programs_built
+        picture = self.draw(
+            scene,
+            packing.coarse_camera(camera, size, step),
+            pace.coarse_size(size, step),
+            moving=True,
+        )
+        picture.framebuffer.read_color(0, 0, 1, 1, 4, 0, "FLOAT")
+        if self.counters.programs_built > built:
+            return picture, step  # compiling happens once
+        return picture, pace.next_step(step, time.monotonic() - begin)
+
     def draw_aux(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> AuxPicture:
         """Depth and part id at the pixels' centres."""
         self._upload(scene)
@@ -395,15 +414,17 @@ class Renderer:
         scale: float = 1.0,
         origin: tuple[int, int] = (0, 0),
         blend: str = "NONE",
+        step: int = 1,
     ) -> None:
-        """Put a picture, times `scale`, onto the bound framebuffer with its corner at `origin` (px)."""
+        """Put a picture, times `scale`, onto the bound framebuffer with its corner at `origin` (px). step: side of its
+        pixels in those of the framebuffer."""
         shader = self._shader(shader_source.copy_program())
         gpu.state.blend_set(blend)
         gpu.state.depth_test_set("NONE")
         shader.bind()
         shader.uniform_sampler("picture", picture)
         shader.uniform_float("rect", (-1.0, -1.0, 1.0, 1.0))
-        shader.uniform_float("origin", (float(origin[0]), float(origin[1]), 0.0, scale))
+        shader.uniform_float("origin", (float(origin[0]), float(origin[1]), float(step), scale))
         self._rectangle().draw(shader)
         gpu.state.blend_set("NONE")
 
@@ -785,7 +806,7 @@ class Renderer:
                     2.0 * top / size[1] - 1.0,
                 ),
             )
-            shader.uniform_float("origin", (float(left), float(bottom), 0.0, 1.0))
+            shader.uniform_float("origin", (float(left), float(bottom), 1.0, 1.0))
             self._rectangle().draw(shader)
 
     def _shader(self, source: ProgramSource) -> GPUShader:
