@@ -119,7 +119,7 @@ def read(material: bpy.types.Material) -> dict[str, NDArray[np.float32]]:
 def missing(material: bpy.types.Material) -> list[str]:
     """Sentences about map images whose file cannot be found."""
     found = []
-    for image in properties.blade_images(material):
+    for image in (*properties.blade_images(material), material.togishi.normal_image):
         if image is not None and image.packed_file is None and image.source == "FILE":
             path = bpy.path.abspath(image.filepath, library=image.library)
             from pathlib import Path

@@ -75,6 +75,15 @@ def _edited(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
         notify(self.id_data)
 
 
+def _normal_image_chosen(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Files come as sRGB; a direction is no colour. An image with unsaved pixels would lose them by the change."""
+    image = self.normal_image
+    own = image is not None and image.library is None and not image.is_dirty
+    if own and not image.colorspace_settings.is_data:
+        image.colorspace_settings.name = "Non-Color"
+    _edited(self, context)
+
+
 def _shown(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Scripts' edits reach the viewports too. Without an update function Blender tells them of edits in panels only."""
     self.id_data.update_tag()
@@ -457,6 +466,14 @@ class TogishiMaterial(bpy.types.PropertyGroup):
         name="Shape",
         description="Map of the lobes' shapes: e1, e2 of the ji (R, G) and of the ha (B, A)",
         update=_edited,
+    )
+    normal_image: PointerProperty(
+        type=bpy.types.Image,
+        name="Normal Map",
+        description=(
+            "Fine shape that the mesh lacks: 0.5 + 0.5 n in the chart togishi_uv, red towards the tip, green along v"
+        ),
+        update=_normal_image_chosen,
     )
     pattern: PointerProperty(type=TogishiPattern, name="Pattern")
     node_spectrum: StringProperty(

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bake/lobe_lanes.hpp"
+#include "bake/mip_taps.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "blade/part.hpp"
@@ -90,27 +91,6 @@ struct Sums {
     std::vector<float> part;
 };
 
-// Up to three source rows or columns that make one of the level above, with their shares of area.
-struct Taps {
-    std::size_t first = 0, count = 0;
-    std::array<float, 3> weight{};
-};
-
-Taps taps_for(std::size_t i, std::size_t size) {
-    if (size == 1) return {0, 1, {1.0F}};
-    const std::size_t half = size / 2;
-    if (size % 2 == 0) return {2 * i, 2, {0.5F, 0.5F}};
-    const auto whole = static_cast<float>(size);
-    return {2 * i,
-            3,
-            {static_cast<float>(half - i) / whole, static_cast<float>(half) / whole,
-             static_cast<float>(i + 1) / whole}};
-}
-
-std::size_t coarser(std::size_t size) {
-    return std::max<std::size_t>(1, size / 2);
-}
-
 // One row of sums, from the map (level 0) or from the planes of a level.
 using Rows = std::array<std::vector<float>, sum_count>;
 
@@ -172,13 +152,13 @@ void add_row(const float* from, float weight, bool first, std::size_t width, flo
 }
 
 void shrink_row(const std::vector<float>& wide, std::size_t width, float* narrow) {
-    const std::size_t half = coarser(width);
+    const std::size_t half = coarser_size(width);
     if (width > 1 && width % 2 == 0) {
         for (std::size_t x = 0; x < half; ++x) narrow[x] = 0.5F * (wide[2 * x] + wide[2 * x + 1]);
         return;
     }
     for (std::size_t x = 0; x < half; ++x) {
-        const Taps taps = taps_for(x, width);
+        const MipTaps taps = mip_taps(x, width);
         float sum = 0.0F;
         for (std::size_t k = 0; k < taps.count; ++k) sum += taps.weight[k] * wide[taps.first + k];
         narrow[x] = sum;
@@ -187,7 +167,7 @@ void shrink_row(const std::vector<float>& wide, std::size_t width, float* narrow
 
 // The part of most area among the texels below; `part_at` reads one of them.
 template <class PartAt>
-float majority(const Taps& across, const Taps& up, PartAt&& part_at) {
+float majority(const MipTaps& across, const MipTaps& up, PartAt&& part_at) {
     std::array<float, TG_PART_COUNT> area{};
     for (std::size_t j = 0; j < up.count; ++j) {
         for (std::size_t i = 0; i < across.count; ++i) {
@@ -210,8 +190,8 @@ template <class RowsOf, class PartAt>
 Sums shrink(const Plan& plan, std::size_t width, std::size_t height, unsigned threads,
             RowsOf&& rows_of, PartAt&& part_at) {
     Sums sums;
-    sums.width = coarser(width);
-    sums.height = coarser(height);
+    sums.width = coarser_size(width);
+    sums.height = coarser_size(height);
     for (std::size_t s = 0; s < sum_count; ++s) {
         if (plan.used[s]) sums.planes[s].resize(sums.width * sums.height);
     }
@@ -224,7 +204,7 @@ Sums shrink(const Plan& plan, std::size_t width, std::size_t height, unsigned th
             for (auto& row : added) row.resize(width);
             auto source = rows_of();
             for (std::size_t y = begin; y < end; ++y) {
-                const Taps up = taps_for(y, height);
+                const MipTaps up = mip_taps(y, height);
                 for (std::size_t k = 0; k < up.count; ++k) {
                     source.read(up.first + k);
                     for (std::size_t s = 0; s < sum_count; ++s) {
@@ -237,7 +217,7 @@ Sums shrink(const Plan& plan, std::size_t width, std::size_t height, unsigned th
                         shrink_row(added[s], width, sums.planes[s].data() + y * sums.width);
                 }
                 for (std::size_t x = 0; plan.part_varies && x < sums.width; ++x) {
-                    sums.part[y * sums.width + x] = majority(taps_for(x, width), up, part_at);
+                    sums.part[y * sums.width + x] = majority(mip_taps(x, width), up, part_at);
                 }
             }
         },

@@ -56,11 +56,12 @@ AtlasLayout atlas_layout(std::size_t width, std::size_t height) {
     return layout;
 }
 
-void fill_atlas(const AtlasLayout& layout, const std::vector<MapView>& levels,
-                const std::array<MapChannel, 4>& rgba, std::uint16_t* texels) {
+void fill_atlas(const AtlasLayout& layout, const std::vector<std::vector<ChannelView>>& planes,
+                std::uint16_t* texels) {
+    const std::size_t count = planes.at(0).size();
     for (std::size_t n = 0; n < layout.levels.size(); ++n) {
         const AtlasLevel& at = layout.levels[n];
-        const MapView& map = levels.at(n);
+        const std::vector<ChannelView>& channels = planes.at(n);
         // The frame, as far as the atlas reaches.
         const std::size_t left = at.x > 0 ? 1 : 0, right = at.x + at.width < layout.width ? 1 : 0;
         const std::size_t below = at.y > 0 ? 1 : 0,
@@ -71,20 +72,32 @@ void fill_atlas(const AtlasLayout& layout, const std::vector<MapView>& levels,
             [&](std::size_t begin, std::size_t end) {
                 for (std::size_t row = begin; row < end; ++row) {
                     const std::size_t y = std::min(row < below ? 0 : row - below, at.height - 1);
-                    std::uint16_t* line = texels + 4 * ((at.y - below + row) * layout.width + at.x);
-                    for (std::size_t c = 0; c < 4; ++c) {
-                        if (!map.present(rgba[c])) continue;
-                        const ChannelView& view = map[rgba[c]];
+                    std::uint16_t* line =
+                        texels + count * ((at.y - below + row) * layout.width + at.x);
+                    for (std::size_t c = 0; c < count; ++c) {
+                        const ChannelView& view = channels.at(c);
+                        if (!view.present()) continue;
                         const float* from = view.data + view.texel_stride * y * at.width;
                         for (std::size_t x = 0; x < at.width; ++x) {
-                            line[4 * x + c] = half_from_float(from[view.texel_stride * x]);
+                            line[count * x + c] = half_from_float(from[view.texel_stride * x]);
                         }
                     }
-                    if (left != 0) std::copy_n(line, 4, line - 4);
-                    if (right != 0) std::copy_n(line + 4 * (at.width - 1), 4, line + 4 * at.width);
+                    if (left != 0) std::copy_n(line, count, line - count);
+                    if (right != 0)
+                        std::copy_n(line + count * (at.width - 1), count, line + count * at.width);
                 }
             });
     }
+}
+
+void fill_atlas(const AtlasLayout& layout, const std::vector<MapView>& levels,
+                const std::array<MapChannel, 4>& rgba, std::uint16_t* texels) {
+    std::vector<std::vector<ChannelView>> planes;
+    planes.reserve(levels.size());
+    for (const MapView& map : levels) {
+        planes.push_back({map[rgba[0]], map[rgba[1]], map[rgba[2]], map[rgba[3]]});
+    }
+    fill_atlas(layout, planes, texels);
 }
 
 }  // namespace togishi

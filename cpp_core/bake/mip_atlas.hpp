@@ -34,6 +34,12 @@ struct AtlasLayout {
 /// Throws InputError for a size of 0 or above 65536.
 [[nodiscard]] AtlasLayout atlas_layout(std::size_t width, std::size_t height);
 
+/// Writes the levels of one plane into `texels` (layout.height rows of layout.width times
+/// `channels` half floats, zeroed by the caller): level n's channel c is planes[n][c], absent ones
+/// 0.
+void fill_atlas(const AtlasLayout& layout, const std::vector<std::vector<ChannelView>>& planes,
+                std::uint16_t* texels);
+
 /// Writes the levels into `texels` (layout.height rows of layout.width RGBA half floats, zeroed by
 /// the caller): RGBA = the four channels, absent ones 0. levels[0] is the map, the others as
 /// coarser_levels gives them. Values beyond 65504 become infinity: maps are repaired before.

@@ -10,6 +10,7 @@
 #include "bake/map_mips.hpp"
 #include "bake/map_repair.hpp"
 #include "bake/mip_atlas.hpp"
+#include "bake/normal_mips.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "brdf/model.hpp"
@@ -101,9 +102,20 @@ py::list map_mip_levels(const py::dict& maps) {
 }
 
 // numpy.float16 from raw halves: pybind11 has no half type of its own.
-py::array half_array(std::size_t height, std::size_t width) {
-    return py::array(py::dtype("float16"),
-                     Shape{static_cast<py::ssize_t>(height), static_cast<py::ssize_t>(width), 4});
+py::array half_array(std::size_t height, std::size_t width, py::ssize_t channels = 4) {
+    return py::array(py::dtype("float16"), Shape{static_cast<py::ssize_t>(height),
+                                                 static_cast<py::ssize_t>(width), channels});
+}
+
+py::array_t<std::int32_t> rectangles_of(const AtlasLayout& layout) {
+    py::array_t<std::int32_t> rectangles(Shape{static_cast<py::ssize_t>(layout.levels.size()), 4});
+    auto* rectangle = rectangles.mutable_data();
+    for (const AtlasLevel& level : layout.levels) {
+        for (const std::size_t value : {level.x, level.y, level.width, level.height}) {
+            *rectangle++ = static_cast<std::int32_t>(value);
+        }
+    }
+    return rectangles;
 }
 
 constexpr std::array<MapChannel, 4> lobes_rgba{MapChannel::ji_ln_mu_deg, MapChannel::ha_ln_mu_deg,
@@ -159,14 +171,34 @@ py::tuple pack_mip_atlas(const F32& lobes, const std::optional<F32>& shape) {
         }
     }
     warn(repair.sentence("blade maps"));
-    py::array_t<std::int32_t> rectangles(Shape{static_cast<py::ssize_t>(layout.levels.size()), 4});
-    auto* rectangle = rectangles.mutable_data();
-    for (const AtlasLevel& level : layout.levels) {
-        for (const std::size_t value : {level.x, level.y, level.width, level.height}) {
-            *rectangle++ = static_cast<std::int32_t>(value);
-        }
+    return py::make_tuple(lobes_atlas, shape_atlas, rectangles_of(layout));
+}
+
+py::tuple pack_normal_atlas(const F32& image) {
+    if (image.ndim() != 3 || image.shape(2) < 3 || image.size() == 0) {
+        throw InputError("normal map", "shape", shape_text(image),
+                         "(height, width, 3 or more), none of them 0");
     }
-    return py::make_tuple(lobes_atlas, shape_atlas, rectangles);
+    NormalMapView map;
+    map.rgb = image.data();
+    map.height = static_cast<std::size_t>(image.shape(0));
+    map.width = static_cast<std::size_t>(image.shape(1));
+    map.texel_stride = static_cast<std::size_t>(image.shape(2));
+    const AtlasLayout layout = atlas_layout(map.width, map.height);
+    py::array leans = half_array(layout.height, layout.width);
+    py::array correlations = half_array(layout.height, layout.width, 1);
+    auto* leans_out = static_cast<std::uint16_t*>(leans.mutable_data());
+    auto* correlations_out = static_cast<std::uint16_t*>(correlations.mutable_data());
+    NormalRepair repair;
+    {
+        const py::gil_scoped_release release;
+        const std::vector<NormalLevel> levels = normal_levels(map, repair);
+        std::fill_n(leans_out, layout.width * layout.height * 4, std::uint16_t{0});
+        std::fill_n(correlations_out, layout.width * layout.height, std::uint16_t{0});
+        fill_normal_atlas(layout, levels, leans_out, correlations_out);
+    }
+    warn(repair.sentence("normal map"));
+    return py::make_tuple(leans, correlations, rectangles_of(layout));
 }
 
 }  // namespace
@@ -191,6 +223,11 @@ void bind_property_maps(py::module_& m) {
           "Blade images (H, W, 4) -> (lobes atlas, shape atlas or None, (levels, 4) of x, y, "
           "width, height):\n"
           "half floats with all mip levels, each framed by one texel that repeats its border.");
+    m.def("pack_normal_atlas", &pack_normal_atlas, py::arg("image"),
+          "Normal map (H, W, 3 or more), 0.5 + 0.5 n -> (leans atlas (H', W', 4): mean lean and "
+          "standard\n"
+          "deviation along u and v; correlations atlas (H', W', 1); (levels, 4) as "
+          "pack_mip_atlas).");
 }
 
 }  // namespace togishi

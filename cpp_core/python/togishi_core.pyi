@@ -110,6 +110,14 @@ def pack_mip_atlas(
     levels made by covariance, one texel of border, and (levels, 4) of x, y, width, height of each level in
     the atlas. NaN and infinity in a map are replaced by the nearest valid value and counted in a warning."""
 
+def pack_normal_atlas(
+    image: F32,
+) -> tuple[NDArray[np.float16], NDArray[np.float16], NDArray[np.int32]]:
+    """Normal map (H, W, 3 or more), red, green, blue = 0.5 + 0.5 n in the chart (docs/conventions.md) -> atlases in half
+    float with all mip levels: (H', W', 4) mean lean (nx, ny)/nz and its standard deviation along u and v,
+    (H', W', 1) their correlation, and (levels, 4) as pack_mip_atlas. Texels without a normal are taken as flat, those
+    that lean more than 84 degrees as 84; both are counted in a warning."""
+
 # --- blade --------------------------------------------------------------------------------------
 
 class Katana:

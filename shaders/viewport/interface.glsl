@@ -70,6 +70,12 @@ struct TgSteel {
     vec4 level[TG_MAX_LEVELS];      // x, y, width, height in texels
 };
 
+// A normal map's atlas, with levels of its own size.
+struct TgNormalMap {
+    vec4 atlas;                 // 1/width, 1/height, number of levels
+    vec4 level[TG_MAX_LEVELS]; // x, y, width, height in texels
+};
+
 struct TgPlain {
     vec4 albedo; // rgb, index of refraction
     vec4 gloss;  // ln_mu_deg, metallic

@@ -6,9 +6,17 @@
 //   TG_ENVIRONMENT                                                an HDRI (environment.glsl)
 //   TG_MANY       other steels are in the picture
 //   TG_FILTERED   highlights are the mean over the pixel's facets, not the value at its centre
+//   TG_NORMAL_MAP the lobes are wider by the texels of a normal map that a pixel covers
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
 #include "viewport/steel_pixel.glsl"
+#ifdef TG_NORMAL_MAP
+#include "viewport/spread.glsl"
+#endif
+
+#if defined(TG_ANISOTROPIC) || defined(TG_FILTERED) || defined(TG_NORMAL_MAP)
+#define TG_LONG_LOBES
+#endif
 
 // Where a lobe's exponent is above this its value is below 1e-13 of its peak, and the lamp is skipped.
 #define TG_DARK_EXPONENT 30.0
@@ -45,7 +53,7 @@ LobeForm form_of(Lobe lobe) {
 
 // A lower bound of the form's smaller eigenvalue: of the exponent over phi^2.
 float least(LobeForm form) {
-#if defined(TG_ANISOTROPIC) || defined(TG_FILTERED)
+#ifdef TG_LONG_LOBES
     float d = 0.5 * (form.xx - form.yy);
     // By the product of the two: their difference loses the smaller one in a long lobe.
     return form.scale * form.scale / (0.5 * (form.xx + form.yy) + sqrt(d * d + form.xy * form.xy));
@@ -117,7 +125,7 @@ vec3 reflect_light(Towards t, vec3 colour, int row, Steel s) {
     Facet right = facet_turn(s.axes, s.view, light, t.nearness, s.right);
     Facet up = facet_turn(s.axes, s.view, light, t.nearness, s.up);
 #endif
-#if defined(TG_ANISOTROPIC) || defined(TG_FILTERED)
+#ifdef TG_LONG_LOBES
     Facet facet = facet_of(half_vector, s.axes.tangent, s.axes.bitangent);
 #else
     Facet facet = facet_isotropic(half_vector);
@@ -286,14 +294,26 @@ void main() {
     s.h = p.h;
     s.chi = p.chi;
     s.ji = form_of(p.ji);
+#ifdef TG_NORMAL_MAP
+    s.chi = spread_weight(s.chi, s.ji, p);
+    s.ji = spread_lobe(s.ji, p);
+#endif
     float widest = least(s.ji); // smallest exponent over phi^2 of all lobes
 #ifndef TG_ONE_LOBE
     s.ha = form_of(p.ha);
     s.beta_ha = p.beta_ha;
+#ifdef TG_NORMAL_MAP
+    s.beta_ha = spread_weight(s.beta_ha, s.ha, p);
+    s.ha = spread_lobe(s.ha, p);
+#endif
     widest = p.w > 0.0 ? min(widest, least(s.ha)) : widest;
 #ifdef TG_HADORI
     s.hadori = form_of(p.hadori);
     s.beta_hadori = p.beta_hadori;
+#ifdef TG_NORMAL_MAP
+    s.beta_hadori = spread_weight(s.beta_hadori, s.hadori, p);
+    s.hadori = spread_lobe(s.hadori, p);
+#endif
     widest = p.h > 0.0 ? min(widest, least(s.hadori)) : widest;
 #endif
 #endif

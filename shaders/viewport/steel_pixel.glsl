@@ -20,6 +20,10 @@ struct SteelPixel {
     PixelStep right;
     PixelStep up;
 #endif
+#ifdef TG_NORMAL_MAP
+    Facet spread_a;
+    Facet spread_b;
+#endif
 };
 
 // The lobe's azimuth from the axes that the pixel keeps. mirror: the object's own azimuths run the other way round.
@@ -43,6 +47,13 @@ SteelPixel steel_pixel(vec4 surface, ivec2 at) {
     vec4 bend = texelFetch(bend_buffer, at, 0);
     p.right = pixel_step(p.axes, p.view, vec3(frame.ray.x, 0.0, 0.0), bend.xy, surface.z, orthographic);
     p.up = pixel_step(p.axes, p.view, vec3(0.0, frame.ray.y, 0.0), bend.zw, surface.z, orthographic);
+#endif
+#ifdef TG_NORMAL_MAP
+    vec4 spread = texelFetch(spread_buffer, at, 0);
+    p.spread_a.dx = spread.x;
+    p.spread_a.dy = spread.y;
+    p.spread_b.dx = spread.z;
+    p.spread_b.dy = spread.w;
 #endif
     float mirror = surface.w < 0.0 ? -1.0 : 1.0;
     int number = int(abs(surface.w) + 0.5) - 1;

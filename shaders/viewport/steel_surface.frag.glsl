@@ -6,16 +6,40 @@
 //   out_shape    e1, e2 of the ji and of the ha                  (TG_SHAPE)
 //   out_bend     the normal's change from one pixel to the next, to the right and upwards, in the pixel's smooth
 //                frame: of the triangle's own surface, whatever lies beside it            (TG_FILTERED)
+//   out_spread   two turns of the normal, in the smooth frame, whose squares add up to the covariance of the normal map's
+//                texels in the pixel                                                      (TG_NORMAL_MAP)
 #include "shared/model.glsl"
 #ifdef TG_MAPS
 #include "viewport/atlas.glsl"
 #endif
+#ifdef TG_NORMAL_MAP
+#include "viewport/normal_map.glsl"
+
+// The map's normal on this surface. facing: -1 where the face is seen from behind; it then shows the map's other side, as dents
+// where there were bumps.
+BentNormal mapped_normal(vec3 normal, NormalTexel texel, float facing) {
+    TangentFrame axes = tangent_frame(normal, v_tangent);
+    vec2 ray = gl_FragCoord.xy * frame.ray.xy + frame.ray.zw;
+    vec3 view = frame.view.x > 0.5 ? vec3(0.0, 0.0, 1.0) : normalize(vec3(-ray, 1.0));
+    texel.lean *= facing;
+    BentNormal bent = bent_normal(axes.normal, axes.tangent, axes.bitangent * chart_side(v_uv), texel);
+    bent.normal = normal_mirroring_outwards(bent.normal, axes.normal, view);
+    return bent;
+}
+#endif
 
 void main() {
     // A face seen from behind shows its other side.
-    vec3 normal = v_normal * (gl_FrontFacing == (object_state.x > 0.0) ? 1.0 : -1.0);
+    float facing = gl_FrontFacing == (object_state.x > 0.0) ? 1.0 : -1.0;
+    vec3 normal = v_normal * facing;
     float inv_length = inversesqrt(max(dot(normal, normal), 1.0e-20));
+#ifdef TG_NORMAL_MAP
+    NormalSample map = normal_map_sample(v_uv);
+    BentNormal bent = mapped_normal(normal * inv_length, map.texel, facing);
+    vec2 folded = fold_normal(bent.normal);
+#else
     vec2 folded = fold_normal(normal * inv_length);
+#endif
     float part = clamp(floor(v_part + 0.5), 0.0, float(TG_PART_COUNT - 1));
     out_surface = vec4(folded, -v_position, object_state.x * (8.0 * object_state.y + part + 1.0));
 #ifdef TG_MAPS
@@ -25,14 +49,23 @@ void main() {
     out_shape = texture(shape_atlas, at);
 #endif
 #endif
-#if defined(TG_FILTERED) || defined(TG_ANISOTROPIC)
+#if defined(TG_FILTERED) || defined(TG_ANISOTROPIC) || defined(TG_NORMAL_MAP)
     TangentFrame smooth_axes = smooth_frame(unfold_normal(folded));
 #endif
 #ifdef TG_FILTERED
     vec3 to_right = dFdx(normal) * inv_length;
     vec3 upwards = dFdy(normal) * inv_length;
+#ifdef TG_NORMAL_MAP
+    // Coarser levels have the map's own turns within the pixel in their spread.
+    to_right = mix(dFdx(bent.normal), to_right, map.coarse);
+    upwards = mix(dFdy(bent.normal), upwards, map.coarse);
+#endif
     out_bend = vec4(dot(to_right, smooth_axes.tangent), dot(to_right, smooth_axes.bitangent),
                     dot(upwards, smooth_axes.tangent), dot(upwards, smooth_axes.bitangent));
+#endif
+#ifdef TG_NORMAL_MAP
+    out_spread = vec4(dot(bent.spread_a, smooth_axes.tangent), dot(bent.spread_a, smooth_axes.bitangent),
+                      dot(bent.spread_b, smooth_axes.tangent), dot(bent.spread_b, smooth_axes.bitangent));
 #endif
 #ifdef TG_ANISOTROPIC
 #ifdef TG_TANGENT

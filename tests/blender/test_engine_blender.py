@@ -352,6 +352,39 @@ def test_a_missing_map_names_its_file_and_the_blade_is_drawn(scene, tmp_path):
     assert render(scene)[..., :3].max() > 0.05
 
 
+def test_a_normal_map_is_read_once_and_refused_as_a_colour(scene, tmp_path):
+    card = add_card(scene, blade=True)
+    settings = card.active_material.togishi
+    drawn = bpy.data.images.new("fine shape", 8, 4)
+    drawn.pixels.foreach_set(np.tile(np.asarray((0.5, 0.7, 0.9, 1.0), np.float32), 32))
+    drawn.filepath_raw, drawn.file_format = str(tmp_path / "fine.png"), "PNG"
+    drawn.save()
+    image = bpy.data.images.load(drawn.filepath_raw)
+    assert not image.colorspace_settings.is_data
+    settings.normal_image = image
+    assert image.colorspace_settings.is_data  # set by choosing it
+    bpy.context.view_layer.update()
+    sync, data = sync_of()
+    (material,) = data.materials.values()
+    maps = material.steel.normal_map
+    x, y, width, height = maps.levels[0]
+    assert (width, height) == (8, 4)
+    np.testing.assert_allclose(maps.leans[y, x], (0.0, 0.5, 0.0, 0.0), atol=0.01)
+    again = sync.update(bpy.context.evaluated_depsgraph_get())
+    assert next(iter(again.materials.values())).steel.normal_map is maps
+    image.colorspace_settings.name = "sRGB"
+    sync, data = sync_of()
+    assert next(iter(data.materials.values())).steel.normal_map is None
+    assert any("Set it to Non-Color" in message for message in sync.messages)
+    image.colorspace_settings.name = "Non-Color"
+    image.filepath = str(tmp_path / "nowhere.exr")
+    sync, data = sync_of()
+    assert any("nowhere.exr" in message for message in sync.messages)
+    from togishi import map_images
+
+    assert any("nowhere.exr" in problem for problem in map_images.missing(card.active_material))
+
+
 def test_maps_are_read_from_images(scene):
     card = add_card(scene, blade=True)
     image = bpy.data.images.new("lobes", 8, 4, float_buffer=True, is_data=True)

@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 import pytest
+import togishi_core
 from togishi.core import packing
-from togishi.core.scene_data import Light, LightKind
+from togishi.core.scene_data import Light, LightKind, NormalMapData, World
 
 pytestmark = pytest.mark.gpu
 
@@ -150,6 +151,128 @@ def test_extremes_are_finite(scenes, renderer, mu_deg):
     for camera in cameras:
         values = green(renderer.draw(dataclasses.replace(scene, filtered=True), camera, (40, 40)))
         assert (values >= 0.0).all()
+
+
+def card(*, mirrored: bool = False):
+    """2 x 2, facing -y, u to +x; v upwards or, on a mirrored chart, downwards."""
+    place = np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)], np.float32)
+    uv = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float32)
+    if mirrored:
+        uv[:, 1] = 1.0 - uv[:, 1]
+    return packing.build_mesh(
+        place,
+        np.arange(4, dtype=np.int32),
+        np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+        np.zeros(2, np.int32),
+        np.tile(np.array([[0, -1, 0]], np.float32), (4, 1)),
+        np.array([1]),
+        None,
+        uv,
+        None,
+        frozenset({0}),
+    )
+
+
+def with_normal_map(blade, lean_u: np.ndarray, lean_v: np.ndarray):
+    """blade with a map of these leans, nx/nz and ny/nz, rows from v = 0."""
+    normal = np.stack([lean_u, lean_v, np.ones_like(lean_u)], -1)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    maps = NormalMapData(*togishi_core.pack_normal_atlas((0.5 + 0.5 * normal).astype(np.float32)))
+    return dataclasses.replace(blade, steel=dataclasses.replace(blade.steel, normal_map=maps))
+
+
+@pytest.mark.parametrize("anisotropic", [False, True])
+def test_normal_map_from_afar_keeps_the_texels_light(scenes, renderer, anisotropic):
+    """Scratches across the card, 64 texels to a pixel: one sample against hundreds without any filter."""
+    rng = np.random.default_rng(4)
+    # Waves of some 5 texels: of white noise, what lies between two texels would be the reference's own choice.
+    near = np.exp(-((np.fft.fftfreq(512) / 0.1) ** 2))
+    noise = np.fft.ifft2(np.fft.fft2(rng.standard_normal((2, 512, 512))) * np.outer(near, near))
+    a, b = noise.real / noise.real.std()
+    lean_u, lean_v = 0.06 * a + 0.03, 0.03 * a + 0.02 * b
+    lobe = {"mu_t_deg": 3.0, "mu_b_deg": 1.0, "rho_deg": 40.0}
+    blade = scenes.blade(ji=lobe) if anisotropic else scenes.isotropic_blade(2.0)
+    lamp = Light(LightKind.SUN, to_light=(0.12, -1.0, 0.06), power=2.0)
+    scene = scenes.scene_of(card(), with_normal_map(blade, lean_u, lean_v), (lamp,))
+    camera = scenes.look_at((0.0, -3.5, 0.0), fov_deg=30.0)
+    size, fine = (8, 8), 64
+    large = green(
+        renderer.draw(scene, camera, (size[0] * fine, size[1] * fine), float32=True, lod_bias=-9.0)
+    )
+    expected = large.reshape(size[1], fine, size[0], fine).mean((1, 3))[1:-1, 1:-1]
+    filtered = dataclasses.replace(scene, filtered=True)
+    for drawn in (scene, filtered):
+        got = green(renderer.draw(drawn, camera, size, float32=True))[1:-1, 1:-1]
+        # The mixture of a pixel's some 150 waves is not quite a Gaussian.
+        error = np.sqrt(((got - expected) ** 2).mean()) / expected.mean()
+        print(f"mean {got.mean() / expected.mean() - 1.0:+.3f}, pixels {error:.3f}")
+        assert got.mean() == pytest.approx(expected.mean(), rel=0.04)
+        assert error < 0.2
+    # Without the spread the highlight would be narrow and bright.
+    flat = scenes.scene_of(card(), blade, scene.lights)
+    plain = green(renderer.draw(flat, camera, size, float32=True))[1:-1, 1:-1]
+    assert plain.max() > 1.5 * expected.max()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_normal_map_leans_along_its_chart(scenes, renderer, mirrored):
+    """A bump lit from above is bright above its top, whichever way round the chart lies; from behind it is a dent."""
+    y, x = np.mgrid[0:128, 0:128] / 128.0 - 0.5
+    height = np.exp(-(x**2 + y**2) / 0.02)
+    blade = with_normal_map(
+        scenes.isotropic_blade(1.0), 2.0 * x * height / 0.02 * 0.05, 2.0 * y * height / 0.02 * 0.05
+    )
+    lamp = Light(LightKind.SUN, to_light=(0.3, -1.0, 0.5), power=2.0)
+    behind = Light(LightKind.SUN, to_light=(0.3, 1.0, 0.5), power=2.0)
+    for light, eye, sign in ((lamp, -4.0, 1.0), (behind, 4.0, -1.0)):
+        scene = scenes.scene_of(card(mirrored=mirrored), blade, (light,))
+        scene = dataclasses.replace(scene, filtered=True)
+        camera = scenes.look_at((0.0, eye, 0.0), fov_deg=35.0)
+        values = green(renderer.draw(scene, camera, (64, 64), float32=True))
+        row, column = np.indices(values.shape) - 31.5
+        right = sign if eye < 0.0 else -sign  # seen from behind, +x is to the left
+        assert sign * (values * row).sum() > 2.0 * values.sum()
+        assert right * (values * column).sum() > 1.0 * values.sum()
+
+
+def test_a_steep_normal_map_has_no_holes(scenes, renderer):
+    """Ridges that lean away from a viewer who looks along the surface mirror the room; nothing is NaN."""
+    rng = np.random.default_rng(5)
+    lean = np.clip(3.0 * rng.standard_normal((2, 64, 64)), -6.0, 6.0)
+    blade = with_normal_map(scenes.isotropic_blade(0.05), *lean)
+    room = World(radiance=(1.0, 1.0, 1.0))
+    camera = scenes.look_at((0.0, -0.3, -3.5), fov_deg=35.0)
+    lamp = Light(LightKind.POINT, position=(0.0, -0.001, 0.5), power=10.0)
+    scene = scenes.scene_of(card(), blade, (lamp,), world=room)
+    flat = scenes.scene_of(card(), scenes.isotropic_blade(0.05), (), world=room)
+    for filtered in (False, True):
+        drawn = dataclasses.replace(scene, filtered=filtered)
+        values = green(renderer.draw(drawn, camera, (48, 48), float32=True, lod_bias=-4.0))
+        surface = green(renderer.draw(flat, camera, (48, 48), float32=True)) < 0.99
+        assert surface.sum() > 50
+        assert values[surface].min() > 0.4
+
+
+def test_a_normal_map_is_no_code_where_there_is_none():
+    from togishi.core.shader_source import (
+        STEEL_TARGETS,
+        LightVariant,
+        SteelVariant,
+        steel_light_program,
+        steel_surface_program,
+    )
+
+    for used in (False, True):
+        steel = SteelVariant(normal_map=used, tangent=used, maps=True, shape=True)
+        first = steel_surface_program(steel, STEEL_TARGETS)
+        second = steel_light_program(LightVariant(rectangles=True), steel)
+        assert ("NormalSample normal_map_sample(" in first.fragment) == used
+        assert ("spread_lobe(LobeForm" in second.fragment) == used
+        assert ("VEC3", "tangent") not in first.attributes or used
+        assert {"leans_atlas", "correlations_atlas"} <= {n for _k, n in first.samplers} or not used
+    # Blender binds six targets at most.
+    everything = SteelVariant(*[True] * 7)
+    assert len(everything.targets) <= 6
 
 
 def test_the_filter_is_no_code_where_it_is_off():

@@ -117,6 +117,38 @@ def test_maps_decide_where_there_are_maps(tmp_path):
     assert np.abs(ratio - 1.0).max() < 0.05
 
 
+@pytest.mark.gpu
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_normal_map_bends_cycles_and_the_engine_alike(tmp_path, mirrored):
+    """On a chart of either handedness (a blade's is mirrored), and against where the lobe must lie."""
+    lean_u, lean_v = 0.02, 0.04
+    normal = np.array([lean_u, lean_v, 1.0]) / math.sqrt(1.0 + lean_u**2 + lean_v**2)
+    image = bpy.data.images.new("lean", 4, 4, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(np.tile((*(0.5 + 0.5 * normal), 1.0), 16).astype(np.float32))
+    material = material_with(3.0, 3.0, 0.0)
+    without = steel_group.group_of(material, "CYCLES")[steel_group.KEY]
+    material.togishi.normal_image = image
+    assert steel_group.group_of(material, "CYCLES")[steel_group.KEY] != without
+    mesh = lobe_probe.build_quad(4.0, "y", 1).data
+    mesh.materials.append(material)
+    for loop, uv in zip(mesh.loops, mesh.uv_layers["togishi_uv"].data, strict=True):
+        x, y, _z = mesh.vertices[loop.vertex_index].co
+        uv.uv = 0.5 + 0.5 * x, 0.5 + (-0.5 if mirrored else 0.5) * y
+    scene = lobe_probe.scene_for("CYCLES", (5, 61))
+    scene.camera.data.sensor_fit = "VERTICAL"
+    scene.cycles.samples = 4
+    scene.cycles.use_denoising = False
+    cycles = lobe_probe.picture(scene, tmp_path)[:, 2, 1]
+    scene.render.engine = "TOGISHI"
+    ours = lobe_probe.picture(scene, tmp_path)[:, 2, 1]
+    # Where the surface leans by as much the other way.
+    peak = 30.5 - 30.5 * math.degrees(lean_v) / 4.0 * (-1.0 if mirrored else 1.0)
+    assert np.argmax(ours) == pytest.approx(peak, abs=2.0)
+    bright = ours > 0.2 * ours.max()
+    assert bright.sum() > 20
+    assert np.abs(cycles / ours - 1.0)[bright].max() < 0.04
+
+
 def test_furnace(tmp_path):
     """A smooth blade in a uniform room gives back F(0) times the room."""
     material = material_with(1.0, 0.5, 0.0)

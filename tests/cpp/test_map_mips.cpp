@@ -10,8 +10,11 @@
 
 #include "bake/map_mips.hpp"
 #include "bake/map_repair.hpp"
+#include "bake/normal_mips.hpp"
 #include "base/error.hpp"
+#include "brdf/area_lights.hpp"
 #include "brdf/model.hpp"
+#include "brdf/normal_map.hpp"
 
 namespace {
 
@@ -364,6 +367,175 @@ TEST(MapRepair, ValidMapsAreLeftAlone) {
     PropertyMaps copy = copy_of(view_of(maps));
     EXPECT_FALSE(repair_map(copy).any());
     EXPECT_EQ(copy.channels, maps.channels);
+}
+
+// Leans of each texel, Gaussian about (0.5, -0.2) with a covariance that is not along the axes, as
+// a map.
+std::vector<float> random_normals(std::size_t width, std::size_t height, double spread) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    std::vector<float> rgb;
+    rgb.reserve(3 * width * height);
+    for (std::size_t i = 0; i < width * height; ++i) {
+        const double a = spread * normal(random), b = spread * normal(random);
+        const glm::dvec3 n =
+            glm::normalize(glm::dvec3(0.5 + 2 * a + 0.5 * b, -0.2 + 0.6 * b - a, 1));
+        for (int c = 0; c < 3; ++c) rgb.push_back(static_cast<float>(0.5 + 0.5 * n[c]));
+    }
+    return rgb;
+}
+
+TEST(NormalMips, EveryLevelHoldsTheMeanAndCovarianceOfItsTexels) {
+    for (const auto& [width, height] :
+         {std::pair<std::size_t, std::size_t>{32, 16}, {13, 7}, {1, 5}}) {
+        const std::vector<float> rgb = random_normals(width, height, 0.05);
+        NormalRepair repair;
+        const auto levels = normal_levels({rgb.data(), 3, width, height}, repair);
+        EXPECT_TRUE(repair.sentence("map").empty());
+        EXPECT_EQ(levels.back().width * levels.back().height, 1U);
+        for (const NormalLevel& level : levels) {
+            for (std::size_t i = 0; i < level.width * level.height; ++i) {
+                // What of level 0 lies in the texel, by area.
+                const double x0 =
+                    static_cast<double>(i % level.width * width) / static_cast<double>(level.width);
+                const double y0 = static_cast<double>(i / level.width * height) /
+                                  static_cast<double>(level.height);
+                const double w = static_cast<double>(width) / static_cast<double>(level.width);
+                const double h = static_cast<double>(height) / static_cast<double>(level.height);
+                double area = 0;
+                glm::dvec2 mean(0);
+                glm::dvec3 square(0);
+                for (std::size_t k = 0; k < width * height; ++k) {
+                    const auto x = static_cast<double>(k % width),
+                               y = static_cast<double>(k / width);
+                    const double share = std::max(0.0, std::min(x0 + w, x + 1) - std::max(x0, x)) *
+                                         std::max(0.0, std::min(y0 + h, y + 1) - std::max(y0, y));
+                    const glm::dvec2 lean(levels[0].lean_x[k], levels[0].lean_y[k]);
+                    area += share;
+                    mean += share * lean;
+                    square += share * glm::dvec3(lean.x * lean.x, lean.x * lean.y, lean.y * lean.y);
+                }
+                mean /= area;
+                square /= area;
+                EXPECT_NEAR(level.lean_x[i], mean.x, 1e-6);
+                EXPECT_NEAR(level.lean_y[i], mean.y, 1e-6);
+                if (level.sd_x.empty()) continue;
+                const double sx = level.sd_x[i], sy = level.sd_y[i];
+                EXPECT_NEAR(sx * sx, square.x - mean.x * mean.x, 1e-6);
+                EXPECT_NEAR(sy * sy, square.z - mean.y * mean.y, 1e-6);
+                EXPECT_NEAR(sx * sy * level.correlation[i], square.y - mean.x * mean.y, 1e-6);
+            }
+        }
+    }
+}
+
+// What one texel of a level reflects towards each half vector against the mixture of what its
+// texels reflect: values about the peak, and the energy over all half vectors.
+TEST(NormalMips, TheWidenedLobeIsTheMixture) {
+    constexpr std::size_t size = 64;
+    const std::vector<float> rgb = random_normals(size, size, 0.02);
+    NormalRepair repair;
+    const auto levels = normal_levels({rgb.data(), 3, size, size}, repair);
+    const auto form = f64::lobe_form(f64::lobe_from_mu(1.2 * degree, 0.5 * degree, 0.4));
+    const f64::dvec3 up(0, 0, 1), u(1, 0, 0), v(0, 1, 0);
+    const auto value_about = [&](const f64::LobeForm& lobe, const f64::dvec3& normal,
+                                 const f64::dvec3& half) {
+        const auto axes = f64::tangent_frame(normal, u);
+        const double along = glm::dot(half, axes.normal);
+        const glm::dvec2 flat(glm::dot(half, axes.tangent), glm::dot(half, axes.bitangent));
+        const double sine = glm::length(flat);
+        const double turn = sine > 0 ? std::atan2(sine, along) / sine : 1;
+        return f64::lobe_normalised_weight(lobe) *
+               f64::lobe_value(lobe, {flat.x * turn, flat.y * turn});
+    };
+    for (const std::size_t n : {3U, 4U, 6U}) {
+        const NormalLevel& level = levels[n];
+        const std::size_t covered = size / level.width;
+        const f64::BentNormal bent = f64::bent_normal(up, u, v,
+                                                      {{level.lean_x[0], level.lean_y[0]},
+                                                       {level.sd_x[0], level.sd_y[0]},
+                                                       level.correlation[0]});
+        const auto axes = f64::tangent_frame(bent.normal, u);
+        const auto facet = [&](const f64::dvec3& turn) {
+            return f64::Facet{glm::dot(turn, axes.tangent), glm::dot(turn, axes.bitangent)};
+        };
+        const auto wide =
+            f64::lobe_form_widened(form, facet(bent.spread_a), facet(bent.spread_b), 1.0);
+        EXPECT_LT(wide.scale, 0.5 * form.scale);  // or the test would hold nothing
+        double peak = 0, worst = 0, energy = 0, expected_energy = 0;
+        for (double i = -24; i <= 24; i += 3) {
+            for (double j = -24; j <= 24; j += 3) {
+                const f64::dvec3 half =
+                    glm::normalize(bent.normal + 0.01 * (i * axes.tangent + j * axes.bitangent));
+                double expected = 0;
+                for (std::size_t k = 0; k < covered * covered; ++k) {
+                    const std::size_t at = k / covered * size + k % covered;
+                    const glm::dvec3 normal =
+                        glm::normalize(glm::dvec3(levels[0].lean_x[at], levels[0].lean_y[at], 1));
+                    expected +=
+                        value_about(form, normal, half) / static_cast<double>(covered * covered);
+                }
+                const double got = value_about(wide, bent.normal, half);
+                peak = std::max(peak, expected);
+                worst = std::max(worst, std::abs(got - expected));
+                // Solid angle of the step.
+                const double solid = std::pow(glm::dot(half, bent.normal), 3);
+                energy += solid * got;
+                expected_energy += solid * expected;
+            }
+        }
+        std::printf("level %zu: worst %.1f %% of the peak, energy %+.2f %%\n", n,
+                    100 * worst / peak, 100 * (energy / expected_energy - 1));
+        EXPECT_LT(worst, 0.15 * peak);
+        EXPECT_NEAR(energy, expected_energy, 0.01 * expected_energy);
+    }
+}
+
+TEST(NormalMips, WhatIsNoNormalIsMendedAndCounted) {
+    const std::vector<float> rgb{nan32, 0.5F, 1, 0.5F, 0.5F, 0.5F, inf32, 0,    0,  // none
+                                 1,     0.5F, 0, 1,    0.5F, 0.5F, 0.5F,  0.5F, 0.75F};
+    NormalRepair repair;
+    const auto levels = normal_levels({rgb.data(), 3, 6, 1}, repair);
+    EXPECT_EQ(repair.without_normal, 3U);
+    EXPECT_EQ(repair.too_steep, 2U);
+    EXPECT_EQ(levels[0].lean_x, (std::vector<float>{0, 0, 0, 10, 10, 0}));
+    EXPECT_NE(repair.sentence("map").find("3 texels hold no normal"), std::string::npos);
+    EXPECT_THROW((void)normal_levels({rgb.data(), 3, 0, 1}, repair), InputError);
+    for (const NormalLevel& level : levels) {
+        for (const float lean : level.lean_x) EXPECT_TRUE(std::isfinite(lean));
+    }
+}
+
+TEST(NormalMips, ABentNormalNeverMirrorsIntoTheSurface) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const glm::dvec3 up(0, 0, 1);
+    int turned = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const glm::dvec3 view = glm::normalize(
+            glm::dvec3(unit(random), unit(random), std::pow(10, 2 * unit(random) - 2)));
+        const glm::dvec3 bent = glm::normalize(glm::dvec3(3 * unit(random), 3 * unit(random), 1));
+        const auto n = f64::normal_mirroring_outwards(bent, up, view);
+        const auto height = [&](const glm::dvec3& by) {
+            return 2 * glm::dot(by, view) * by.z - view.z;
+        };
+        const double limit = std::min(0.9 * view.z, 0.01);
+        EXPECT_NEAR(glm::length(n), 1, 1e-12);
+        EXPECT_GT(glm::dot(n, view), 0);
+        EXPECT_GE(height(n), limit - 1e-12);
+        if (height(bent) >= limit) {
+            EXPECT_EQ(n, bent);
+        } else {
+            ++turned;
+            EXPECT_NEAR(height(n), limit, 1e-12);  // and no farther
+        }
+        const auto single =
+            f32::normal_mirroring_outwards(glm::vec3(bent), glm::vec3(up), glm::vec3(view));
+        EXPECT_NEAR(glm::length(single - glm::vec3(n)), 0, 2e-3);
+    }
+    EXPECT_GT(turned, 200);
+    EXPECT_EQ(f64::normal_mirroring_outwards({0.6, 0, 0.8}, up, {0.6, 0, -0.8}), up);
+    EXPECT_EQ(f64::normal_mirroring_outwards({0.6, 0, 0.8}, up, {nan32, 0, 1}), up);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import native
-from .scene_data import BladeMaterial, MapData, PlainMaterial, SteelMaterial
+from .scene_data import BladeMaterial, MapData, NormalMapData, PlainMaterial, SteelMaterial
 
 # What a part of a mesh looks like where no map says it: part id -> part of the material. The boshi is
 # the hamon on the kissaki.
@@ -34,8 +34,12 @@ def _weight(material: Mapping[str, Any], name: str) -> float:
     return float(material["parts"][name]["beta" if name in _ROUGH else "chi"])
 
 
-def blade_material(material: Mapping[str, Any], maps: MapData | None = None) -> BladeMaterial:
-    """material: the dict; maps: its atlases, or None where it has no images."""
+def blade_material(
+    material: Mapping[str, Any],
+    maps: MapData | None = None,
+    normal_map: NormalMapData | None = None,
+) -> BladeMaterial:
+    """material: the dict; maps, normal_map: its atlases, or None where it has no images."""
     parts = material["parts"]
     lobes = {name: encode_lobe(part) for name, part in parts.items()}
     steel = SteelMaterial(
@@ -46,6 +50,7 @@ def blade_material(material: Mapping[str, Any], maps: MapData | None = None) -> 
         ha=(*lobes["ha"], _weight(material, "ha")),
         hadori=(*lobes["hadori"], _weight(material, "hadori")),
         maps=maps,
+        normal_map=normal_map,
     )
     nakago = parts["nakago"]
     red, green, blue = (float(value) for value in nakago["albedo_rgb"])

@@ -22,6 +22,7 @@ from .scene_data import (
     MapData,
     MeshData,
     MeshGroup,
+    NormalMapData,
     PlainMaterial,
     SteelMaterial,
     World,
@@ -369,6 +370,16 @@ def steel_block(material: SteelMaterial) -> F32:
     return block
 
 
+def normal_map_block(maps: NormalMapData) -> F32:
+    """TgNormalMap."""
+    block = np.zeros((1 + MAX_LEVELS, 4), np.float32)
+    height, width = maps.leans.shape[:2]
+    levels = maps.levels[:MAX_LEVELS]
+    block[0, :3] = (1.0 / width, 1.0 / height, len(levels))
+    block[1 : 1 + len(levels)] = levels
+    return block
+
+
 def plain_block(material: PlainMaterial) -> F32:
     """TgPlain."""
     block = np.zeros((2, 4), np.float32)
@@ -407,26 +418,42 @@ def map_data(lobes: NDArray[np.float16], shape: NDArray[np.float16] | None, leve
     )
 
 
-def coarser_maps(maps: MapData, largest: int) -> MapData:
-    """The same maps without their finest levels, so that no side of an atlas is above `largest` texels. The atlas is
-    cut to what the other levels and their border of one texel cover."""
-    for first in range(len(maps.levels)):
-        left, bottom = (maps.levels[first:, :2].min(axis=0) - 1).clip(0)
-        right, top = (maps.levels[first:, :2] + maps.levels[first:, 2:]).max(axis=0) + 1
+def _cut(
+    levels: I32, size: tuple[int, ...], largest: int
+) -> tuple[int, tuple[slice, slice], tuple[int, int]]:
+    """The first level whose atlas, with all after it, has no side above `largest` texels; rows and columns of the atlas
+    that these levels and their border of one texel cover; the corner (x, y) of that part."""
+    for first in range(len(levels)):
+        left, bottom = (levels[first:, :2].min(axis=0) - 1).clip(0)
+        right, top = (levels[first:, :2] + levels[first:, 2:]).max(axis=0) + 1
         if first == 0:
             left, bottom = 0, 0
-            top, right = maps.lobes.shape[:2]
-        if max(right - left, top - bottom) > largest:
-            continue
-        part = (slice(bottom, top), slice(left, right))
-        return MapData(
-            lobes=np.ascontiguousarray(maps.lobes[part]),
-            shape=None if maps.shape is None else np.ascontiguousarray(maps.shape[part]),
-            levels=maps.levels[first:] - np.asarray((left, bottom, 0, 0), np.int32),
-            hadori=maps.hadori,
-            anisotropic=maps.anisotropic,
-        )
+            top, right = size[:2]
+        if max(right - left, top - bottom) <= largest:
+            return first, (slice(bottom, top), slice(left, right)), (int(left), int(bottom))
     raise ValueError(f"largest texture is {largest} texels; allowed: 3 or more")
+
+
+def coarser_maps(maps: MapData, largest: int) -> MapData:
+    """The same maps without their finest levels, so that no side of an atlas is above `largest` texels."""
+    first, part, (left, bottom) = _cut(maps.levels, maps.lobes.shape, largest)
+    return MapData(
+        lobes=np.ascontiguousarray(maps.lobes[part]),
+        shape=None if maps.shape is None else np.ascontiguousarray(maps.shape[part]),
+        levels=maps.levels[first:] - np.asarray((left, bottom, 0, 0), np.int32),
+        hadori=maps.hadori,
+        anisotropic=maps.anisotropic,
+    )
+
+
+def coarser_normal_map(maps: NormalMapData, largest: int) -> NormalMapData:
+    """As coarser_maps."""
+    first, part, (left, bottom) = _cut(maps.levels, maps.leans.shape, largest)
+    return NormalMapData(
+        leans=np.ascontiguousarray(maps.leans[part]),
+        correlations=np.ascontiguousarray(maps.correlations[part]),
+        levels=maps.levels[first:] - np.asarray((left, bottom, 0, 0), np.int32),
+    )
 
 
 # --- meshes -------------------------------------------------------------------------------------

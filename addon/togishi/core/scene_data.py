@@ -59,6 +59,15 @@ class MapData:
     anisotropic: bool  # whether any shape is above 0
 
 
+@dataclass(frozen=True, eq=False)
+class NormalMapData:
+    """A normal map as half-float atlases with its mip levels (togishi_core.pack_normal_atlas)."""
+
+    leans: F16  # (H', W', 4): mean lean and its standard deviation along u and v
+    correlations: F16  # (H', W', 1)
+    levels: I32  # (levels, 4): x, y, width, height
+
+
 @dataclass(frozen=True)
 class SteelMaterial:
     """A blade's material. Lobes are (ln_mu_deg, e1, e2); weights are negative where normalised."""
@@ -70,6 +79,7 @@ class SteelMaterial:
     ha: tuple[float, float, float, float]  # lobe and beta
     hadori: tuple[float, float, float, float]
     maps: MapData | None = None
+    normal_map: NormalMapData | None = None
 
     @property
     def anisotropic(self) -> bool:

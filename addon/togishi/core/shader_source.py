@@ -87,7 +87,7 @@ class LightVariant:
 
 
 # What the first half of polished steel can leave for the second, in the framebuffer's order.
-STEEL_TARGETS = ("surface", "map", "turn", "shape", "bend")
+STEEL_TARGETS = ("surface", "map", "turn", "shape", "bend", "spread")
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,7 @@ class SteelVariant:
     anisotropic: bool = False
     tangent: bool = False
     filtered: bool = False  # highlights are the mean over a pixel's facets
+    normal_map: bool = False
 
     def defines(self) -> dict[str, str]:
         flags = _flags(self)
@@ -109,7 +110,8 @@ class SteelVariant:
             flags.pop("TG_HADORI", None)
         if not self.anisotropic:
             flags.pop("TG_SHAPE", None)
-            flags.pop("TG_TANGENT", None)
+            if not self.normal_map:
+                flags.pop("TG_TANGENT", None)
         return flags
 
     @property
@@ -125,6 +127,8 @@ class SteelVariant:
             targets.append(("RGBA32F", "VEC4", "shape"))
         if self.filtered:
             targets.append(("RGBA16F", "VEC4", "bend"))
+        if self.normal_map:
+            targets.append(("RGBA16F", "VEC4", "spread"))
         return tuple(targets)
 
 
@@ -194,15 +198,17 @@ def _program(
     push_constants: tuple[tuple[str, str], ...] = (),
 ) -> ProgramSource:
     # The text of lamps of a size is as long as all the rest: without them no compiler reads it.
-    parts = {
-        "TG_AREAS": "viewport/areas.glsl",
-        "TG_FILTERED": "viewport/pixel_step.glsl",
-        "TG_ENVIRONMENT": "viewport/environment.glsl",
-    }
+    parts = (
+        ("TG_AREAS", "viewport/areas.glsl"),
+        ("TG_FILTERED", "viewport/pixel_step.glsl"),
+        ("TG_ENVIRONMENT", "viewport/environment.glsl"),
+        ("TG_NORMAL_MAP", "viewport/normal_map.glsl"),
+        ("TG_NORMAL_MAP", "viewport/spread.glsl"),
+    )
     return ProgramSource(
         name=name,
         vertex=resolve(vertex),
-        fragment=resolve(fragment, {part for flag, part in parts.items() if flag not in defines}),
+        fragment=resolve(fragment, {part for flag, part in parts if flag not in defines}),
         typedefs=_typedefs(),
         defines=tuple(sorted({**defines, **_SIZES, **_DIALECT}.items())),
         attributes=attributes,
@@ -247,14 +253,18 @@ def steel_surface_program(
     if "TG_TANGENT" in defines:
         attributes.append(("VEC3", "tangent"))
         varyings.append(("smooth", "VEC3", "v_tangent"))
-    if "TG_MAPS" in defines:
+    if "TG_MAPS" in defines or "TG_NORMAL_MAP" in defines:
         defines["TG_UV"] = ""
         attributes.append(("VEC2", "uv"))
         varyings.append(("smooth", "VEC2", "v_uv"))
+    if "TG_MAPS" in defines:
         blocks.append(("TgSteel", "steel"))
         samplers.append(("FLOAT_2D", "lobes_atlas"))
         if "TG_SHAPE" in defines:
             samplers.append(("FLOAT_2D", "shape_atlas"))
+    if "TG_NORMAL_MAP" in defines:
+        blocks.append(("TgNormalMap", "normal_map"))
+        samplers += [("FLOAT_2D", "leans_atlas"), ("FLOAT_2D", "correlations_atlas")]
     return _program(
         "togishi_steel_surface",
         "viewport/surface.vert.glsl",
@@ -340,7 +350,7 @@ INPUT_TARGETS = ("normal", "tangent", "view", "position", "ji", "ha")
 @cache
 def steel_inputs_program(steel: SteelVariant, *, many: bool = False) -> ProgramSource:
     """The model's inputs as the second half gets them, one RGBA target each (INPUT_TARGETS)."""
-    steel = replace(steel, filtered=False)
+    steel = replace(steel, filtered=False, normal_map=False)
     defines = steel.defines()
     if many:
         defines["TG_MANY"] = ""
@@ -357,7 +367,7 @@ def steel_inputs_program(steel: SteelVariant, *, many: bool = False) -> ProgramS
 @cache
 def steel_direction_program(steel: SteelVariant) -> ProgramSource:
     """The direction to one lamp in each pixel of a steel, as the second half computes it."""
-    steel = replace(steel, filtered=False)
+    steel = replace(steel, filtered=False, normal_map=False)
     return _steel_screen(
         "togishi_steel_direction",
         "viewport/steel_direction.frag.glsl",

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..core import native, packing
-from ..core.scene_data import MapData
+from ..core.scene_data import MapData, NormalMapData
 
 
 class MapError(ValueError):
@@ -56,3 +56,29 @@ def read_maps(lobes: bpy.types.Image, shape: bpy.types.Image | None) -> MapData:
         raise MapError(
             f"Map image {lobes.name!r}: {error}: constants per part are used."
         ) from error
+
+
+def read_normal_map(image: bpy.types.Image) -> NormalMapData:
+    """Atlases of a normal map. Raises MapError with a sentence for the user."""
+    image = image.original if image.is_evaluated else image
+    width, height = image.size
+    if width <= 0 or height <= 0 or image.channels == 0:
+        path = bpy.path.abspath(image.filepath, library=image.library)
+        where = path or "no file, and nothing packed"
+        raise MapError(f"Normal map {image.name!r} cannot be read ({where}): none is used.")
+    if image.channels < 3:
+        raise MapError(
+            f"Normal map {image.name!r} has {image.channels} channels instead of 3 or 4 (RGB, RGBA): none is used."
+        )
+    if not image.colorspace_settings.is_data:
+        raise MapError(
+            f"Normal map {image.name!r} is in the colour space {image.colorspace_settings.name!r}: none is used. "
+            "Set it to Non-Color."
+        )
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    core = native.core()
+    try:
+        return NormalMapData(*core.pack_normal_atlas(pixels.reshape(height, width, image.channels)))
+    except core.InputError as error:
+        raise MapError(f"Normal map {image.name!r}: {error}: none is used.") from error

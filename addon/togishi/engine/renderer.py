@@ -32,6 +32,7 @@ from ..core.scene_data import (
     Instance,
     MapData,
     MeshData,
+    NormalMapData,
     PlainMaterial,
     SceneData,
     SteelMaterial,
@@ -118,6 +119,13 @@ class _GpuMaps:
 
 
 @dataclass
+class _GpuNormalMap:
+    data: NormalMapData  # what is in the textures, as _GpuMaps has it
+    leans: GPUTexture
+    correlations: GPUTexture
+
+
+@dataclass
 class _GpuEnvironment:
     data: Environment
     atlas: surroundings.Atlas
@@ -187,13 +195,17 @@ def steel_variant(
     """What a blade needs: maps only where mesh and material have them, and so on."""
     maps = material.maps if mesh.uv is not None else None
     anisotropic = material.anisotropic
+    normal_map = (
+        material.normal_map is not None and mesh.uv is not None and mesh.tangent is not None
+    )
     return SteelVariant(
         maps=maps is not None,
         shape=maps is not None and maps.shape is not None and anisotropic,
         hadori=maps is not None and maps.hadori,
         anisotropic=anisotropic,
-        tangent=anisotropic and mesh.tangent is not None,
+        tangent=(anisotropic or normal_map) and mesh.tangent is not None,
         filtered=filtered,
+        normal_map=normal_map,
     )
 
 
@@ -207,6 +219,7 @@ class Renderer:
         self._programs: dict[ProgramSource, GPUShader] = {}
         self._meshes: dict[str, _GpuMesh] = {}
         self._maps: dict[int, tuple[MapData, _GpuMaps]] = {}
+        self._normal_maps: dict[int, tuple[NormalMapData, _GpuNormalMap]] = {}
         self._blocks: dict[tuple[object, ...], Block] = {}
         self._targets: dict[tuple[object, ...], _Targets] = {}
         self._largest_texture = int(gpu.capabilities.max_texture_size_get())
@@ -286,7 +299,7 @@ class Renderer:
         coarser = [
             f"Map of {known.levels[0][2]} x {known.levels[0][3]} texels: this GPU's textures have at most "
             f"{self._largest_texture} to a side, so {drawn.data.levels[0][2]} x {drawn.data.levels[0][3]} are drawn."
-            for known, drawn in self._maps.values()
+            for known, drawn in (*self._maps.values(), *self._normal_maps.values())
             if len(drawn.data.levels) < len(known.levels)
         ]
         return [*self.tables.problems.values(), *coarser]
@@ -515,16 +528,30 @@ class Renderer:
                 if ("TgSteel", "steel") in item.program.blocks:
                     shader.uniform_block("steel", self._steel_block(steel).buffer)
                 maps = steel.material.maps
-                if item.program.samplers and maps is not None:
+                if steel.variant.maps and maps is not None:
                     textures = self._maps[id(maps)][1]
                     shader.uniform_sampler("lobes_atlas", textures.lobes)
                     if steel.variant.shape and textures.shape is not None:
                         shader.uniform_sampler("shape_atlas", textures.shape)
+                if steel.variant.normal_map:
+                    self._bind_normal_map(shader, steel)
                 self._push_object(shader, item.instance, space, steel.number, -1.0)
                 gpu.state.face_culling_set(_unseen_faces(item))
                 item.batch.draw(shader)
                 self.counters.draw_calls += 1
         gpu.state.face_culling_set("NONE")
+
+    def _bind_normal_map(self, shader: GPUShader, steel: _Steel) -> None:
+        maps = steel.material.normal_map
+        assert maps is not None
+        drawn = self._normal_maps[id(maps)][1]
+        block = self._block("normal map", steel.key)
+        if block.tag is not maps:
+            self._set(block, packing.normal_map_block(drawn.data))
+            block.tag = maps
+        shader.uniform_block("normal_map", block.buffer)
+        shader.uniform_sampler("leans_atlas", drawn.leans)
+        shader.uniform_sampler("correlations_atlas", drawn.correlations)
 
     def _light_steels(
         self, scene: SceneData, space: ViewSpace, targets: _Targets, index: int
@@ -700,16 +727,23 @@ class Renderer:
                 self._meshes[key] = self._gpu_mesh(mesh)
         for key in [key for key in self._meshes if key not in scene.meshes]:
             del self._meshes[key]
-        used: set[int] = set()
-        for material in scene.materials.values():
-            maps = material.steel.maps if isinstance(material, BladeMaterial) else None
-            if maps is None:
-                continue
-            used.add(id(maps))
-            if id(maps) not in self._maps:
-                self._maps[id(maps)] = (maps, self._gpu_maps(maps))
-        for unused in [key for key in self._maps if key not in used]:
+        steels = [m.steel for m in scene.materials.values() if isinstance(m, BladeMaterial)]
+        maps = {id(steel.maps): steel.maps for steel in steels if steel.maps is not None}
+        for key, data in maps.items():
+            if key not in self._maps:
+                self._maps[key] = (data, self._gpu_maps(data))
+        for unused in [key for key in self._maps if key not in maps]:
             del self._maps[unused]
+        normals = {
+            id(steel.normal_map): steel.normal_map
+            for steel in steels
+            if steel.normal_map is not None
+        }
+        for key, normal_map in normals.items():
+            if key not in self._normal_maps:
+                self._normal_maps[key] = (normal_map, self._gpu_normal_map(normal_map))
+        for unused in [key for key in self._normal_maps if key not in normals]:
+            del self._normal_maps[unused]
 
     def _gpu_mesh(self, mesh: MeshData) -> _GpuMesh:
         if not len(mesh.position):
@@ -734,17 +768,23 @@ class Renderer:
         self.counters.mesh_uploads += 1
         return gpu_mesh
 
-    def _gpu_maps(self, maps: MapData) -> _GpuMaps:
-        def texture(values: np.ndarray) -> GPUTexture:
-            height, width = values.shape[:2]
-            self.counters.map_uploads += 1
-            return GPUTexture((width, height), format="RGBA16F", data=float_buffer(values))
+    def _map_texture(self, values: np.ndarray) -> GPUTexture:
+        height, width, channels = values.shape
+        self.counters.map_uploads += 1
+        kind = {1: "R16F", 4: "RGBA16F"}[channels]
+        return GPUTexture((width, height), format=kind, data=float_buffer(values))
 
-        height, width = maps.lobes.shape[:2]
-        if max(width, height) > self._largest_texture:
+    def _gpu_maps(self, maps: MapData) -> _GpuMaps:
+        if max(maps.lobes.shape[:2]) > self._largest_texture:
             maps = packing.coarser_maps(maps, self._largest_texture)
-        return _GpuMaps(
-            maps, texture(maps.lobes), None if maps.shape is None else texture(maps.shape)
+        shape = None if maps.shape is None else self._map_texture(maps.shape)
+        return _GpuMaps(maps, self._map_texture(maps.lobes), shape)
+
+    def _gpu_normal_map(self, maps: NormalMapData) -> _GpuNormalMap:
+        if max(maps.leans.shape[:2]) > self._largest_texture:
+            maps = packing.coarser_normal_map(maps, self._largest_texture)
+        return _GpuNormalMap(
+            maps, self._map_texture(maps.leans), self._map_texture(maps.correlations)
         )
 
     def _blurred(self, data: Environment) -> _GpuEnvironment:

@@ -16,10 +16,11 @@ from ..core.scene_data import (
     MapData,
     Material,
     MeshData,
+    NormalMapData,
     SceneData,
 )
 from .environment_read import KnownEnvironment
-from .image_maps import MapError, image_key, read_maps
+from .image_maps import MapError, image_key, read_maps, read_normal_map
 from .light_read import read_light, read_world
 from .material_read import read_plain
 from .mesh_read import read_mesh
@@ -42,6 +43,7 @@ class SceneSync:
         self._mesh_users: dict[str, set[int]] = {}  # mesh key -> session uids that it came from
         self._materials: dict[str, tuple[int, Material, str]] = {}
         self._maps: dict[tuple[object, ...], MapData | str] = {}
+        self._normal_maps: dict[tuple[object, ...], NormalMapData | str] = {}
         self._light_objects: list[int] = []
         self._instanced_lights = False
         self._environment = KnownEnvironment()
@@ -99,6 +101,7 @@ class SceneSync:
                     del self._materials[name]
             if isinstance(changed, bpy.types.Image):
                 self._maps = {k: v for k, v in self._maps.items() if uid not in _uids(k)}
+                self._normal_maps = {k: v for k, v in self._normal_maps.items() if k[0] != uid}
                 self._materials.clear()
                 self._environment.key = ()
         return only_lights
@@ -226,7 +229,9 @@ class SceneSync:
         if material is not None and properties.is_blade(material):
             try:
                 maps, note = self._material_maps(material)
-                data = blade_material(properties.material_dict(material), maps)
+                normal_map, normal_note = self._material_normal_map(material)
+                note = " ".join(text for text in (note, normal_note) if text)
+                data = blade_material(properties.material_dict(material), maps, normal_map)
             except (native.CoreMissingError, ValueError) as error:
                 note = f"Material {material.name!r}: {error}"
         uid = -1 if material is None else material.original.session_uid
@@ -248,6 +253,25 @@ class SceneSync:
             uids = _uids(key)
             self._maps = {k: v for k, v in self._maps.items() if _uids(k) != uids}
             self._maps[key] = known
+        if isinstance(known, str):
+            return None, f"Material {material.name!r}: {known}"
+        return known, ""
+
+    def _material_normal_map(
+        self, material: bpy.types.Material
+    ) -> tuple[NormalMapData | None, str]:
+        image = material.togishi.normal_image
+        if image is None:
+            return None, ""
+        key = image_key(image)
+        known = self._normal_maps.get(key)
+        if known is None:
+            try:
+                known = read_normal_map(image)
+            except MapError as error:
+                known = str(error)
+            self._normal_maps = {k: v for k, v in self._normal_maps.items() if k[0] != key[0]}
+            self._normal_maps[key] = known
         if isinstance(known, str):
             return None, f"Material {material.name!r}: {known}"
         return known, ""

@@ -36,9 +36,14 @@ def decode(graph: Graph, lobe: Socket) -> LobeSockets:
 
 
 def beckmann_anisotropic(
-    graph: Graph, lobe: LobeSockets, colour: Socket, tangent: Socket, label: str
+    graph: Graph,
+    lobe: LobeSockets,
+    colour: Socket,
+    normal: Socket | None,
+    tangent: Socket,
+    label: str,
 ) -> Socket:
-    """One exact Beckmann lobe (Cycles). Its Glossy node with a negative anisotropy a is wide along the
+    """One exact Beckmann lobe (Cycles). normal: None for the surface's own. Its Glossy node with a negative anisotropy a is wide along the
     tangent: alpha_x = r^2/(1 + a), alpha_y = r^2 (1 + a). Unlike the Principled node it has no limit of
     10:1 (it ends at 10^4:1)."""
     node = graph.node("ShaderNodeBsdfAnisotropic", label, distribution="BECKMANN")
@@ -49,6 +54,8 @@ def beckmann_anisotropic(
     narrowness = graph.math("SQRT", graph.math("DIVIDE", tan_b, tan_t))
     graph.connect(graph.sub(narrowness, 1.0), node.inputs["Anisotropy"])
     graph.connect(graph.mul(lobe.rho, 0.5 / math.pi), node.inputs["Rotation"])
+    if normal is not None:
+        graph.connect(normal, node.inputs["Normal"])
     graph.connect(tangent, node.inputs["Tangent"])
     graph.connect(colour, node.inputs["Color"])
     return node.outputs[0]

@@ -53,6 +53,7 @@ class _Builder:
         self.target = target
         lobes, shape = properties.blade_images(material)
         self.lobes_image, self.shape_image = lobes, shape
+        self.normal_image = self.settings.normal_image
         self.aspects = part_aspects(
             properties.material_dict(material),
             None if shape is None else map_images.largest_stretch(shape),
@@ -64,9 +65,12 @@ class _Builder:
             "Fac"
         ]
         tangent = self._tangent()
-        normal = graph.node("ShaderNodeNewGeometry", "normal").outputs["Normal"]
+        mapped = self._mapped_normal()
+        normal = mapped or graph.node("ShaderNodeNewGeometry", "normal").outputs["Normal"]
         facing = graph.node("ShaderNodeLayerWeight", "facing")
         facing.inputs["Blend"].default_value = 0.5
+        if mapped is not None:
+            graph.connect(mapped, facing.inputs["Normal"])
         cosine = graph.math("SUBTRACT", 1.0, facing.outputs["Facing"], label="cos(theta)")
         colour = self._fresnel(table, cosine)
         ji, ha, w, h = self._maps(part)
@@ -76,7 +80,7 @@ class _Builder:
             sockets = decode(graph, encoded)
             tint = self._weighted(colour, name, sockets, cosine, smooth)
             if self.target == CYCLES:
-                return beckmann_anisotropic(graph, sockets, tint, tangent, name)
+                return beckmann_anisotropic(graph, sockets, tint, mapped, tangent, name)
             bending = bending_for(self.aspects[name])
             return ggx_bent(graph, sockets, tint, normal, tangent, bending, name)
 
@@ -84,9 +88,23 @@ class _Builder:
         polished = graph.mix_shader(h, smooth, lobe("hadori", hadori, False), "hadori")
         steel = graph.mix_shader(w, polished, lobe("ha", ha, False), "hamon")
         is_nakago = graph.math("COMPARE", part, float(_part_id("nakago")), 0.5, label="nakago")
-        result = graph.mix_shader(is_nakago, steel, self._nakago(), "nakago")
+        result = graph.mix_shader(is_nakago, steel, self._nakago(mapped), "nakago")
         output = graph.node("NodeGroupOutput")
         graph.connect(result, output.inputs[0])
+
+    def _mapped_normal(self) -> Socket | None:
+        """The normal that the material's normal map bends; None without one."""
+        if self.normal_image is None:
+            return None
+        graph = self.graph
+        uv = graph.node("ShaderNodeUVMap", "normal uv", uv_map=UV_MAP).outputs[0]
+        image = graph.node(
+            "ShaderNodeTexImage", "normal map", image=self.normal_image, extension="EXTEND"
+        )
+        graph.connect(uv, image.inputs[0])
+        node = graph.node("ShaderNodeNormalMap", "bent normal", space="TANGENT", uv_map=UV_MAP)
+        graph.connect(image.outputs["Color"], node.inputs["Color"])
+        return node.outputs["Normal"]
 
     def _tangent(self) -> Socket:
         graph = self.graph
@@ -170,7 +188,7 @@ class _Builder:
             factor = graph.mul(factor, cosine)
         return graph.vector("SCALE", colour, scale=factor)
 
-    def _nakago(self) -> Socket:
+    def _nakago(self, normal: Socket | None) -> Socket:
         """Rust: a Lambertian ground under a dielectric gloss (shaders/shared/plain.glsl)."""
         graph = self.graph
         diffuse = graph.node("ShaderNodeBsdfDiffuse", "rust")
@@ -189,6 +207,9 @@ class _Builder:
         graph.connect(graph.constant("nakago.ior"), fresnel.inputs["IOR"])
         gloss_colour = graph.vector("SCALE", light, scale=fresnel.outputs[0])
         graph.connect(gloss_colour, gloss.inputs["Color"])
+        if normal is not None:
+            for node in (diffuse, gloss, fresnel):
+                graph.connect(normal, node.inputs["Normal"])
         both = graph.node("ShaderNodeAddShader")
         graph.connect(diffuse.outputs[0], both.inputs[0])
         graph.connect(gloss.outputs[0], both.inputs[1])
@@ -266,6 +287,7 @@ def _structure(builder: _Builder) -> str:
             builder.target,
             builder.lobes_image is not None,
             builder.shape_image is not None,
+            builder.normal_image is not None,
             builder.settings.weights,
             [bending_for(builder.aspects[name]).count for name in ("ji", "ha", "hadori")]
             if builder.target == EEVEE
@@ -329,6 +351,7 @@ def update_group(material: bpy.types.Material, target: str) -> bpy.types.ShaderN
             (TABLE_NODE, table),
             ("lobes", builder.lobes_image),
             ("shape", builder.shape_image),
+            ("normal map", builder.normal_image),
         ):
             node = tree.nodes.get(label)
             if node is not None:

@@ -83,6 +83,18 @@ def draw_maps(layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
     row.operator("material.togishi_maps_clear", text="", icon="X")
 
 
+def draw_normal_map(layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
+    settings = material.togishi
+    image = settings.normal_image
+    layout.template_ID(settings, "normal_image", open="image.open")
+    if image is None:
+        return
+    if not image.colorspace_settings.is_data:
+        draw_sentence(layout, "Set the image's colour space to Non-Color", "ERROR")
+    elif image.depth and image.depth <= 32 and not image.is_float:
+        draw_sentence(layout, "8 bits: steps of half a degree show on polished steel", "INFO")
+
+
 def draw_nodes(layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
     settings = material.togishi
     layout.use_property_split = True
@@ -184,6 +196,15 @@ class TOGISHI_PT_material_pattern_more(_MaterialPanel, bpy.types.Panel):
                 layout.prop(pattern, prop.identifier)
 
 
+class TOGISHI_PT_material_normal_map(_MaterialPanel, bpy.types.Panel):
+    bl_label = "Normal Map"
+    bl_parent_id = "TOGISHI_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        draw_normal_map(self.layout, context.material)
+
+
 class TOGISHI_PT_material_nodes(_MaterialPanel, bpy.types.Panel):
     bl_label = "Cycles and EEVEE"
     bl_parent_id = "TOGISHI_PT_material"
@@ -216,6 +237,7 @@ CLASSES = (
     TOGISHI_PT_material_lobes,
     TOGISHI_PT_material_pattern,
     TOGISHI_PT_material_pattern_more,
+    TOGISHI_PT_material_normal_map,
     TOGISHI_PT_material_nodes,
     TOGISHI_PT_material_source,
 )
