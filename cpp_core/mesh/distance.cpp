@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "base/error.hpp"
@@ -75,44 +74,58 @@ struct SurfaceTree::Nodes {
     static constexpr std::uint32_t leaf_size = 6;
 
     explicit Nodes(const TriangleMesh& m) : mesh(m), order(m.triangles.size()) {
-        std::iota(order.begin(), order.end(), 0U);
-        std::vector<glm::vec3> middles(order.size());
-        for (std::size_t t = 0; t < middles.size(); ++t) {
-            const Triangle& c = mesh.triangles[t];
-            middles[t] =
-                (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0F;
+        Box box;
+        const auto middle = [&](const Triangle& c) {
+            return (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0F;
+        };
+        for (const Triangle& c : mesh.triangles) box.add(middle(c));
+        const glm::vec3 size = box.high - box.low;
+        const float scale = 2'097'151.0F / std::max({size.x, size.y, size.z, 1e-30F});
+        // Along a curve that fills space (Morton), so that halves of the row are halves of the
+        // place.
+        struct Place {
+            std::uint64_t code;
+            std::uint32_t triangle;
+        };
+        std::vector<Place> places(order.size());
+        for (std::uint32_t t = 0; t < places.size(); ++t) {
+            const glm::vec3 at = (middle(mesh.triangles[t]) - box.low) * scale;
+            places[t] = {spread(at.x) | spread(at.y) << 1U | spread(at.z) << 2U, t};
         }
+        std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+            return a.code != b.code ? a.code < b.code : a.triangle < b.triangle;
+        });
+        for (std::size_t i = 0; i < order.size(); ++i) order[i] = places[i].triangle;
         nodes.reserve(order.size() / 2 + 1);
         nodes.emplace_back();
-        split(0, 0, static_cast<std::uint32_t>(order.size()), middles);
+        split(0, 0, static_cast<std::uint32_t>(order.size()));
         fit(0);
     }
 
-    /// Halves at the median of the longest side; depth is log2 of the count.
-    void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
-               const std::vector<glm::vec3>& middles) {
+    /// 21 bits, two places apart.
+    static std::uint64_t spread(float value) {
+        auto x = static_cast<std::uint64_t>(std::clamp(value, 0.0F, 2'097'151.0F));
+        x = (x | x << 32U) & 0x001f00000000ffffULL;
+        x = (x | x << 16U) & 0x001f0000ff0000ffULL;
+        x = (x | x << 8U) & 0x100f00f00f00f00fULL;
+        x = (x | x << 4U) & 0x10c30c30c30c30c3ULL;
+        return (x | x << 2U) & 0x1249249249249249ULL;
+    }
+
+    /// Halves by count; depth is log2 of it.
+    void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
         if (end - begin <= leaf_size) {
             nodes[node].first = begin;
             nodes[node].count = end - begin;
             return;
         }
-        Box box;
-        for (std::uint32_t i = begin; i < end; ++i) box.add(middles[order[i]]);
-        const glm::vec3 size = box.high - box.low;
-        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const std::uint32_t half = begin + (end - begin) / 2;
-        std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end,
-                         [&](std::uint32_t a, std::uint32_t b) {
-                             return middles[a][axis] != middles[b][axis]
-                                        ? middles[a][axis] < middles[b][axis]
-                                        : a < b;
-                         });
         const auto children = static_cast<std::uint32_t>(nodes.size());
         nodes[node].first = children;
         nodes.emplace_back();
         nodes.emplace_back();
-        split(children, begin, half, middles);
-        split(children + 1, half, end, middles);
+        split(children, begin, half);
+        split(children + 1, half, end);
     }
     void fit(std::uint32_t node) {
         Node& n = nodes[node];
@@ -144,12 +157,25 @@ SurfaceTree::SurfaceTree(const TriangleMesh& mesh) {
 
 SurfaceTree::~SurfaceTree() = default;
 
-SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, float within) const {
+SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, const Search& search) const {
     const auto& all = nodes_->nodes;
     const TriangleMesh& mesh = nodes_->mesh;
     Nearest best;
-    float least = within * within;
-    best.distance = within;
+    best.distance = search.within;
+    float least = search.within * search.within;
+    const float enough = search.enough * search.enough;
+    const auto look_at = [&](std::uint32_t t) {
+        const Triangle& c = mesh.triangles[t];
+        const Closest found =
+            closest_on(point, mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]);
+        const glm::vec3 off = point - found.point;
+        const float squared = glm::dot(off, off);
+        if (squared < least) {
+            least = squared;
+            best = {t, found.point, found.weights, std::sqrt(squared)};
+        }
+    };
+    look_at(search.near);
     struct Waiting {
         std::uint32_t node;
         float squared;
@@ -157,31 +183,21 @@ SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, float within) 
     std::array<Waiting, 72> stack{};  // two a level, 32 levels for 2^32 triangles
     std::size_t depth = 0;
     stack[depth++] = {0, all[0].box.squared(point)};
-    while (depth > 0) {
+    while (depth > 0 && least > enough) {
         const Waiting next = stack[--depth];
         if (next.squared >= least) continue;
         const auto& node = all[next.node];
         if (node.count > 0) {
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-                const std::uint32_t t = nodes_->order[i];
-                const Triangle& c = mesh.triangles[t];
-                const Closest found = closest_on(point, mesh.positions[c[0]], mesh.positions[c[1]],
-                                                 mesh.positions[c[2]]);
-                const glm::vec3 off = point - found.point;
-                const float squared = glm::dot(off, off);
-                if (squared < least) {
-                    least = squared;
-                    best = {t, found.point, found.weights, 0};
-                }
+                look_at(nodes_->order[i]);
             }
-            if (least < within * within) best.distance = std::sqrt(least);
             continue;
         }
-        Waiting near{node.first, all[node.first].box.squared(point)};
+        Waiting close{node.first, all[node.first].box.squared(point)};
         Waiting far{node.first + 1, all[node.first + 1].box.squared(point)};
-        if (far.squared < near.squared) std::swap(near, far);
+        if (far.squared < close.squared) std::swap(close, far);
         stack[depth++] = far;
-        stack[depth++] = near;
+        stack[depth++] = close;
     }
     return best;
 }
@@ -246,8 +262,11 @@ std::pair<std::vector<float>, std::size_t> distances(const TriangleMesh& from,
     const Samples samples = sample(from, to.origin, count);
     std::vector<float> out(samples.points.size());
     parallel_for(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        SurfaceTree::Search search;
         for (std::size_t i = begin; i < end; ++i) {
-            out[i] = tree.nearest(samples.points[i], std::numeric_limits<float>::max()).distance;
+            const auto found = tree.nearest(samples.points[i], search);
+            search.near = found.triangle;
+            out[i] = found.distance;
         }
     });
     return {std::move(out), samples.even};

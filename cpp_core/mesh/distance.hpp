@@ -1,6 +1,7 @@
 // How far two surfaces lie apart.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "mesh/triangle_mesh.hpp"
@@ -37,8 +38,17 @@ class SurfaceTree {
         glm::vec3 weights{};  ///< of the triangle's corners
         float distance = 0;   ///< `within` where nothing is that near
     };
-    /// point: told from the mesh's origin. Nothing farther than `within` is looked for.
-    [[nodiscard]] Nearest nearest(const glm::vec3& point, float within) const;
+    /// What is asked of a search.
+    struct Search {
+        float within = std::numeric_limits<float>::max();  ///< nothing farther is looked for
+        float enough = 0;                                  ///< the first that is this near will do
+        std::uint32_t near = 0;  ///< a triangle that is likely near: looked at first
+    };
+    /// point: told from the mesh's origin.
+    [[nodiscard]] Nearest nearest(const glm::vec3& point, const Search& search) const;
+    [[nodiscard]] Nearest nearest(const glm::vec3& point, float within) const {
+        return nearest(point, Search{.within = within});
+    }
 
   private:
     struct Nodes;

@@ -38,6 +38,7 @@ AREAS: Mapping[str, Sequence[Path]] = {
         BENCH / "capture_round_trip.py",
         BENCH / "capture_lights.py",
     ],
+    "scan": [BENCH / "scan_mesh.py"],
 }
 """Area -> its measuring commands (bench_rows.py says what they write). Ids of rows begin with the area."""
 
