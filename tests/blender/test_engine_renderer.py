@@ -156,6 +156,8 @@ def test_coarse_pixels_lie_where_the_fine_ones_do(scenes, renderer, step):
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
 def test_the_far_side_does_not_shine_through_at_the_edge(scenes, renderer, mirror):
     """A wedge whose thin edge has many small steps, with a lamp where only the far side, turned over, would mirror it."""
+    from togishi.engine.renderer import FAR_DEPTH, read_texture
+
     steps, slope = 400, 0.15
     rng = np.random.default_rng(1)
     x = np.linspace(-1.0, 1.0, steps)
@@ -183,13 +185,15 @@ def test_the_far_side_does_not_shine_through_at_the_edge(scenes, renderer, mirro
     normal[2 * (steps - 1) : 4 * (steps - 1)] = np.array([0.0, 1.0, -slope]) / math.hypot(
         1.0, slope
     )
+    part = np.full(len(triangles), 1, np.int32)
+    part[2 * (steps - 1) : 4 * (steps - 1)] = 2
     mesh = packing.build_mesh(
         place,
         triangles.reshape(-1).astype(np.int32),
         np.arange(triangles.size).reshape(-1, 3),
         np.arange(len(triangles)),
         np.repeat(normal, 3, axis=0).astype(np.float32),
-        None,
+        part,
         None,
         None,
         None,
@@ -199,12 +203,19 @@ def test_the_far_side_does_not_shine_through_at_the_edge(scenes, renderer, mirro
     lamp = Light(LightKind.SUN, to_light=(0.0, -0.958, 0.287), power=1.0)
     flip = np.diag([mirror, 1.0, 1.0, 1.0])
 
-    def brightest(skin):
+    def brightest_and_parts(skin):
         scene = scenes.scene_of(skin, scenes.isotropic_blade(1.0), (lamp,), flip)
-        return renderer.draw(scene, camera, (900, 90), float32=True).read()[..., :3].max()
+        picture = renderer.draw(scene, camera, (900, 90), float32=True).read()[..., :3]
+        aux = renderer.draw_aux(scene, camera, (900, 90))
+        seen = read_texture(aux.part)[read_texture(aux.depth) < FAR_DEPTH]
+        return picture.max(), set(seen.tolist())
 
-    assert brightest(dataclasses.replace(mesh, closed=False)) > 1.0
-    assert brightest(mesh) < 1e-3
+    light, parts = brightest_and_parts(dataclasses.replace(mesh, closed=False))
+    assert light > 1.0
+    assert 2.0 in parts
+    light, parts = brightest_and_parts(mesh)
+    assert light < 1e-3
+    assert parts == {1.0}
 
 
 def test_a_mirrored_object_is_the_mirror_image(scenes, renderer):

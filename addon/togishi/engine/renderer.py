@@ -350,7 +350,10 @@ class Renderer:
                 for group in mesh.data.groups:
                     blade = isinstance(_material(scene, instance, group.slot)[1], BladeMaterial)
                     self._push_object(shader, instance, space, 0, -1.0 if blade else 0.0)
+                    unseen = _unseen_faces(mesh.data, instance.matrix) if blade else "NONE"
+                    gpu.state.face_culling_set(unseen)
                     mesh.batches[group.slot, group.nakago].draw(shader)
+            gpu.state.face_culling_set("NONE")
         return AuxPicture(size, depth, part, framebuffer)
 
     def gbuffer(self, scene: SceneData, camera: Camera, size: tuple[int, int]) -> Gbuffer:
@@ -536,7 +539,7 @@ class Renderer:
                 if steel.variant.normal_map:
                     self._bind_normal_map(shader, steel)
                 self._push_object(shader, item.instance, space, steel.number, -1.0)
-                gpu.state.face_culling_set(_unseen_faces(item))
+                gpu.state.face_culling_set(_unseen_faces(item.mesh.data, item.instance.matrix))
                 item.batch.draw(shader)
                 self.counters.draw_calls += 1
         gpu.state.face_culling_set("NONE")
@@ -919,12 +922,12 @@ def _screen_state() -> None:
     gpu.state.depth_mask_set(False)
 
 
-def _unseen_faces(item: _SteelItem) -> str:
+def _unseen_faces(data: MeshData, matrix: np.ndarray) -> str:
     """The faces of a closed blade that look away. Within some micrometres of its edge line they lie as near as those
     that are seen and win the depth test by rounding: bright dots along the edge where the far side is lit."""
-    if not item.mesh.data.closed:
+    if not data.closed:
         return "NONE"
-    mirrored = float(np.linalg.det(item.instance.matrix[:3, :3])) < 0.0
+    mirrored = float(np.linalg.det(matrix[:3, :3])) < 0.0
     return "FRONT" if mirrored else "BACK"
 
 
