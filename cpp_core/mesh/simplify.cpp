@@ -21,6 +21,8 @@ void check(const TriangleMesh& mesh, const SimplifyOptions& o) {
     };
     const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
     if (triangles == 0) fail("triangles", "0", "a surface of one triangle at least");
+    if (o.stretch_triangles < 1000)
+        fail("stretch_triangles", std::to_string(o.stretch_triangles), "at least 1000");
     if (!std::isfinite(o.error_mm) || o.error_mm <= 0)
         fail("error_mm", std::to_string(o.error_mm), "a distance above 0 mm");
     if (!o.locked.empty() && o.locked.size() != vertices)
@@ -188,8 +190,6 @@ SimplifiedMesh once(const TriangleMesh& mesh, const SimplifyOptions& o, double e
     return taken_out(mesh, prepared, {result.data(), count});
 }
 
-constexpr std::size_t stretch_triangles = 500'000;
-
 /// A mesh's attributes for the vertices that are left of it.
 struct Carried {
     Carried(const SimplifyOptions& from, const SimplifiedMesh& left) : options(from) {
@@ -265,12 +265,13 @@ void lock_neighbours(const TriangleMesh& mesh, const std::vector<std::uint8_t>& 
     locked.swap(wider);
 }
 
-/// All vertices within the bound, by locking.
-SimplifiedMesh within_bound(const TriangleMesh& mesh, SimplifyOptions options) {
+/// All vertices within the bound, by locking; fewer attempts: all but a few.
+SimplifiedMesh within_bound(const TriangleMesh& mesh, SimplifyOptions options,
+                            int most_attempts = 16) {
     std::vector<std::uint8_t> locked(options.locked.begin(), options.locked.end());
     locked.resize(mesh.positions.size(), 0);
+    const bool hasty = most_attempts < 16;
     const SurfaceTree surface(mesh);
-    constexpr int most_attempts = 16;
     double estimate_mm = options.error_mm;
     SimplifiedMesh out;
     for (int attempt = 1; attempt <= most_attempts; ++attempt) {
@@ -282,6 +283,7 @@ SimplifiedMesh within_bound(const TriangleMesh& mesh, SimplifyOptions options) {
         if (!out.mesh.triangles.empty() &&
             lock_offenders(mesh, surface, out.mesh, options.error_mm, locked) == 0)
             return out;
+        if (attempt == most_attempts && hasty && !out.mesh.triangles.empty()) return out;
         if (out.mesh.triangles.empty() || attempt > 12) estimate_mm *= 0.6;
         if (attempt > 1) lock_neighbours(mesh, before, locked);
     }
@@ -350,8 +352,9 @@ struct Stretch {
 /// Stretches across the longest side, shifted by `shift` of a stretch. careful: sharp edges are
 /// left.
 SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& options, double shift,
-                            bool careful) {
-    const std::size_t count = std::max<std::size_t>(1, mesh.triangles.size() / stretch_triangles);
+                            bool rough) {
+    const std::size_t count =
+        std::max<std::size_t>(1, mesh.triangles.size() / options.stretch_triangles);
     glm::vec3 low(mesh.positions[0]), high(low);
     for (const glm::vec3& p : mesh.positions) {
         low = glm::min(low, p);
@@ -409,7 +412,7 @@ SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& opt
         }
         members[begin] = {};
         if (own.mesh.triangles.empty()) return;
-        if (careful) {
+        if (rough) {
             const auto sharp = at_sharp_edges(own.mesh);
             for (std::size_t v = 0; v < sharp.size(); ++v) own.locked[v] |= sharp[v];
         }
@@ -418,7 +421,7 @@ SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& opt
         here.part = own.part;
         here.attributes = own.attributes;
         here.at_least = options.at_least / members.size();
-        done[begin] = within_bound(own.mesh, here);
+        done[begin] = within_bound(own.mesh, here, rough ? 2 : 8);
         for (std::uint32_t& v : done[begin].source_vertex) v = own.source[v];
         done[begin].mesh.positions = {};
     });
@@ -426,13 +429,13 @@ SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& opt
 }
 
 SimplifiedMesh simplified(const TriangleMesh& mesh, const SimplifyOptions& options) {
-    if (mesh.triangles.size() <= 2 * stretch_triangles) return within_bound(mesh, options);
+    if (mesh.triangles.size() <= 2 * options.stretch_triangles) return within_bound(mesh, options);
     SimplifyOptions first = options;
-    first.error_mm = 0.4 * options.error_mm;
+    first.error_mm = 0.5 * options.error_mm;
     const SimplifiedMesh rough = in_stretches(mesh, first, 0.0, true);
     const Carried carried(options, rough);
     SimplifyOptions second = carried.options;
-    second.error_mm = 0.6 * options.error_mm;
+    second.error_mm = 0.5 * options.error_mm;
     SimplifiedMesh out = in_stretches(rough.mesh, second, 0.5, false);
     for (std::uint32_t& v : out.source_vertex) v = rough.source_vertex[v];
     out.attempts = std::max(out.attempts, rough.attempts);

@@ -21,8 +21,10 @@ struct SimplifyOptions {
     std::size_t attribute_count = 0;  ///< at most 16
     /// attribute_count: mm of distance that a difference of 1 is worth.
     std::span<const float> attribute_weights{};
-    bool lock_border = false;       ///< the mesh's own borders keep all their points
-    std::size_t at_least = 0;       ///< stop at this many triangles
+    bool lock_border = false;  ///< the mesh's own borders keep all their points
+    std::size_t at_least = 0;  ///< stop at this many triangles
+    /// More than twice as many are cut into stretches of so many, which are worked on side by side.
+    std::size_t stretch_triangles = 500'000;
     std::size_t samples = 200'000;  ///< points per side that the distance is measured at
 };
 

@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include <tiny_gltf.h>
 #include <glm/gtc/quaternion.hpp>
@@ -103,11 +102,16 @@ class Values {
     bool normalised_ = false;
 };
 
+std::uint8_t byte_of(double fraction) {
+    // A NaN is 0.
+    return fraction >= 1  ? 255
+           : fraction > 0 ? static_cast<std::uint8_t>(std::lround(255 * fraction))
+                          : 0;
+}
+
 /// glTF's vertex colours are linear.
-std::uint8_t display(double linear) {
-    const double c = std::clamp(linear, 0.0, 1.0);
-    const double v = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(255 * v + 0.5);
+std::uint8_t display(double c) {
+    return byte_of(c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055);
 }
 
 glm::dmat4 placing(const tinygltf::Node& node) {
@@ -250,7 +254,8 @@ class Scene {
             Colour8 c{0, 0, 0, 255};
             for (std::size_t k = 0; k < 3; ++k) c[k] = display(colours.at(i, k));
             if (colours.parts() == 4)
-                c[3] = static_cast<std::uint8_t>(255 * std::clamp(colours.at(i, 3), 0.0, 1.0) + .5);
+                c[3] = static_cast<std::uint8_t>(
+                    std::lround(255 * std::clamp(colours.at(i, 3), 0.0, 1.0)));
             builder_.colour_of(first + i, c);
         }
     }

@@ -1,5 +1,6 @@
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -63,7 +64,7 @@ class Obj {
         Colour8 colour{0, 0, 0, 255};
         for (std::size_t i = 0; i < 3; ++i) {
             const double c = value[count - 3 + i];
-            colour[i] = c >= 1 ? 255 : c > 0 ? static_cast<std::uint8_t>(255 * c + 0.5) : 0;
+            colour[i] = c >= 1 ? 255 : c > 0 ? static_cast<std::uint8_t>(std::lround(255 * c)) : 0;
         }
         builder_.colour(colour);
     }

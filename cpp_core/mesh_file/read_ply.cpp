@@ -296,7 +296,7 @@ std::uint8_t channel(double value, Type type) {
                          : type == Type::u16                    ? 1.0 / 257
                                                                 : 1.0;
     const double scaled = value * scale;
-    return scaled >= 255 ? 255 : scaled > 0 ? static_cast<std::uint8_t>(scaled + 0.5) : 0;
+    return scaled >= 255 ? 255 : scaled > 0 ? static_cast<std::uint8_t>(std::lround(scaled)) : 0;
 }
 
 template <class Numbers>

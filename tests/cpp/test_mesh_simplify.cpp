@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "mesh/clean.hpp"
 #include "mesh/half_edges.hpp"
+#include "mesh/holes.hpp"
 #include "mesh/simplify.hpp"
 #include "mesh_shapes.hpp"
 
@@ -110,6 +111,34 @@ TEST(Simplify, KeepsLocksPartsAndBorders) {
     std::size_t kept = 0;
     for (const std::uint32_t v : light.source_vertex) kept += v < 50 ? 1 : 0;
     EXPECT_EQ(kept, 50U);
+}
+
+TEST(Simplify, StretchesFitTogether) {
+    // A bar with a sharp edge, long enough to be cut ten times over.
+    TriangleMesh mesh = shapes::cube(10, {}, 40);
+    for (glm::vec3& p : mesh.positions) {
+        p.x *= 10;
+        p.y *= 0.05F + 0.03F * p.z;
+    }
+    std::mt19937 random(5);
+    std::normal_distribution<float> noise(0, 0.005F);
+    for (glm::vec3& p : mesh.positions) p += glm::vec3(noise(random), noise(random), noise(random));
+    std::vector<std::uint8_t> part(mesh.triangles.size(), 0);
+    for (std::size_t t = 0; t < part.size(); ++t)
+        part[t] = mesh.positions[mesh.triangles[t][0]].x > 33 ? 1 : 0;
+    const SimplifyOptions options{
+        .error_mm = 0.1, .part = part, .stretch_triangles = 2000, .samples = 50'000};
+    const SimplifiedMesh light = simplify(mesh, options);
+    EXPECT_LE(light.distance.largest, 0.1);
+    EXPECT_LT(light.mesh.triangles.size(), mesh.triangles.size() / 3);
+    // An edge may be in both of two stretches, but nothing gapes.
+    TriangleMesh parted = light.mesh;
+    (void)clean(parted);
+    EXPECT_TRUE(find_holes(parted).empty());
+    ASSERT_EQ(light.part.size(), light.mesh.triangles.size());
+    for (std::size_t v = 0; v < light.source_vertex.size(); ++v)
+        EXPECT_EQ(light.mesh.positions[v], mesh.positions[light.source_vertex[v]]);
+    EXPECT_EQ(simplify(mesh, options).mesh.triangles, light.mesh.triangles);
 }
 
 TEST(Simplify, LevelsOfDetail) {
