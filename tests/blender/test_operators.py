@@ -108,6 +108,35 @@ def test_edit_keeps_material_and_place():
     assert len(obj.data.vertices) == vertices
 
 
+def test_ridges_are_sharp_edges_and_normals_stay():
+    """Cycles blurs custom normals over edges that are not marked."""
+    obj = add_katana(detail=0.05)
+    mesh = obj.data
+    katana = blade_object.make(properties.katana_parameters(obj), 0.05)
+    sharp = np.empty(len(mesh.edges), bool)
+    mesh.attributes["sharp_edge"].data.foreach_get("value", sharp)
+    part = {tuple(sorted(key)): [] for key in mesh.edge_keys}
+    for face in mesh.polygons:
+        for key in face.edge_keys:
+            part[tuple(sorted(key))].append(katana.face_part[face.index])
+    marked = {
+        tuple(sorted(key)) for key, is_sharp in zip(mesh.edge_keys, sharp, strict=True) if is_sharp
+    }
+    ji, shinogi_ji, ha = 1, 2, 3
+    shinogi = {key for key, parts in part.items() if sorted(parts) == [ji, shinogi_ji]}
+    assert len(shinogi) > 50
+    assert shinogi <= marked
+    # The border of ha and ji is the hamon: no ridge. Within a part nothing is but in the rounded mune and nakago.
+    assert not marked & {key for key, parts in part.items() if sorted(parts) == [ji, ha]}
+    assert not marked & {
+        key for key, parts in part.items() if parts == [ji, ji] and key not in shinogi
+    }
+    shown = np.empty(3 * len(mesh.loops), np.float32)
+    mesh.corner_normals.foreach_get("vector", shown)
+    cosine = (shown.reshape(-1, 3) * katana.corner_normal).sum(axis=1)
+    assert cosine.min() > (0.999999 if bpy.app.version >= (4, 5, 0) else 0.9999)
+
+
 def test_assign_to_a_plain_mesh():
     bpy.ops.mesh.primitive_plane_add()
     assert bpy.ops.object.togishi_material_assign() == {"FINISHED"}

@@ -24,6 +24,7 @@ REQUIRED = (
     "material_to_toml",
     "load_material",
     "pack_mip_atlas",
+    "pack_normal_atlas",
     "katana",
     "katana_defaults",
     "steel_pattern",
