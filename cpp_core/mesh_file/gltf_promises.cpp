@@ -174,6 +174,7 @@ void read_buffers(const json& root, Chunks& chunks, const std::filesystem::path&
     const auto buffers = root.find("buffers");
     if (buffers == root.end() || !buffers->is_array()) return;
     std::vector<std::string> seen;
+    seen.reserve(buffers->size());
     for (std::size_t i = 0; i < buffers->size(); ++i) {
         const std::string where = file + ", buffer " + std::to_string(i);
         const json& buffer = (*buffers)[i];

@@ -117,9 +117,8 @@ std::uint8_t display(double c) {
 glm::dmat4 placing(const tinygltf::Node& node) {
     if (node.matrix.size() == 16) {
         glm::dmat4 m;
-        for (int c = 0; c < 4; ++c) {
-            for (int r = 0; r < 4; ++r) m[c][r] = node.matrix[static_cast<std::size_t>(4 * c + r)];
-        }
+        for (std::size_t i = 0; i < 16; ++i)
+            m[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = node.matrix[i];
         return m;
     }
     glm::dmat4 m(1);
@@ -158,6 +157,7 @@ class Scene {
     /// Without recursion: a file may chain a million nodes.
     void walk(const std::vector<int>& roots) {
         std::vector<std::pair<int, glm::dmat4>> waiting;
+        waiting.reserve(roots.size());
         for (const int root : roots) waiting.emplace_back(root, glm::dmat4(1));
         while (!waiting.empty()) {
             const auto [index, above] = waiting.back();
@@ -253,9 +253,7 @@ class Scene {
         for (std::size_t i = 0; i < count; ++i) {
             Colour8 c{0, 0, 0, 255};
             for (std::size_t k = 0; k < 3; ++k) c[k] = display(colours.at(i, k));
-            if (colours.parts() == 4)
-                c[3] = static_cast<std::uint8_t>(
-                    std::lround(255 * std::clamp(colours.at(i, 3), 0.0, 1.0)));
+            if (colours.parts() == 4) c[3] = byte_of(colours.at(i, 3));
             builder_.colour_of(first + i, c);
         }
     }

@@ -25,7 +25,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 std::string format_of(std::string_view start, const std::filesystem::path& path) {
     if (start.starts_with("ply\n") || start.starts_with("ply\r")) return ".ply";
     if (start.starts_with("glTF")) return ".gltf";
-    const std::string extension = lower_extension(path);
+    std::string extension = lower_extension(path);
     if (extension == ".glb" || extension == ".gltf") return ".gltf";
     if (extension == ".obj" || extension == ".stl") return extension;
     if (start.starts_with("solid")) return ".stl";
