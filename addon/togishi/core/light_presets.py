@@ -94,7 +94,7 @@ PRESETS = (
         "WINDOW",
         "Window light",
         "A north window towards the tip and a dim room: cool, falling off to the nakago",
-        (Lamp("Window", "AREA", 0.5, 12.0, 3.0, 9.0, "daylight", 7500.0, size=(1.2, 0.9)),),
+        (Lamp("Window", "AREA", 0.5, 15.0, 3.0, 6.0, "daylight", 7500.0, size=(1.2, 0.9)),),
         0.006,
     ),
     LightPreset(
@@ -102,8 +102,8 @@ PRESETS = (
         "Sun",
         "Afternoon sun and a bluish sky",
         (
-            Lamp("Sun", "SUN", 0.05, 6.0, 1.0, 1.2, "daylight", 5500.0),
-            Lamp("Sky", "SUN", -0.3, 14.0, 1.0, 0.5, "daylight", 9500.0),
+            Lamp("Sun", "SUN", 0.05, 6.0, 1.0, 0.25, "daylight", 5500.0),
+            Lamp("Sky", "SUN", -0.3, 14.0, 1.0, 0.12, "daylight", 9500.0),
         ),
         0.06,
     ),
@@ -112,7 +112,7 @@ PRESETS = (
         "Tungsten case lamps",
         "Small filament lamps along the top of a showcase",
         tuple(
-            Lamp(f"Filament {i + 1}", "POINT", x, 8.0, 1.3, 3.5, "blackbody", 2856.0)
+            Lamp(f"Filament {i + 1}", "POINT", x, 8.0, 1.3, 1.6, "blackbody", 2856.0)
             for i, x in enumerate((-0.85, -0.3, 0.3, 0.85))
         ),
         0.003,
@@ -142,8 +142,8 @@ PRESETS = (
         "Sodium street lamp",
         "Two low-pressure sodium lamps: one yellow line of the spectrum",
         (
-            Lamp("Sodium lamp", "POINT", -0.35, 7.0, 2.6, 16.0, "LPS"),
-            Lamp("Second lamp", "POINT", 0.8, 10.0, 3.0, 16.0, "LPS"),
+            Lamp("Sodium lamp", "POINT", -0.35, 7.0, 2.6, 5.0, "LPS"),
+            Lamp("Second lamp", "POINT", 0.8, 10.0, 3.0, 5.0, "LPS"),
         ),
         0.002,
     ),
