@@ -40,8 +40,10 @@ struct SimplifiedMesh {
 /// `mesh`: cleaned, in mm. meshoptimizer's own error is an estimate by quadrics, which a sharp edge
 /// exceeds several times: so every vertex is measured afterwards, those beyond the bound are
 /// locked, and it is done again, until all keep it. Long meshes are cut into stretches across their
-/// longest side, on all cores, then once more at other places. Results do not depend on the number
-/// of threads. Throws InputError for options out of range or arrays of the wrong length.
+/// longest side, on all cores, then once more at other places, in few attempts each; where the
+/// measured distance then exceeds the bound, with a smaller one, four times at most:
+/// distance.largest says what was reached. Results do not depend on the number of threads. Throws
+/// InputError for options out of range or arrays of the wrong length.
 [[nodiscard]] SimplifiedMesh simplify(const TriangleMesh& mesh, const SimplifyOptions& options);
 
 /// Levels of detail: errors_mm rising; each is made from the one before, its distance measured to

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 #include <tiny_gltf.h>
 #include <nlohmann/json.hpp>
@@ -203,7 +204,7 @@ void read_buffers(const json& root, Chunks& chunks, const std::filesystem::path&
                              "at most the " + std::to_string(chunks.binary.size()) +
                                  " bytes of the file's binary chunk");
         } else {
-            data = std::move(chunks.binary);
+            data = std::exchange(chunks.binary, {});
             data.resize(bytes);
         }
     }
