@@ -121,7 +121,7 @@ def errors(ours: Exhibited, bench: BenchScene) -> tuple[float, float]:
 def measure(quick: bool, say: Say) -> Measurement:
     machine = bench_gpu.start()
     togishi.register()
-    frames = 3 if quick else 12
+    frames = 2 if quick else 6
     bench = exhibition()
     eevee, moving = Eevee(bench), Exhibited(bench, moving=True)
     rest = Exhibited(bench, moving=False)

@@ -32,7 +32,12 @@ AREAS: Mapping[str, Sequence[Path]] = {
     "scale": [BENCH / "scale.py"],
     "package": [BENCH / "package.py"],
     "fit": [BENCH / "fit.py"],
-    "light": [BENCH / "light.py", BENCH / "light_frames.py", BENCH / "light_exhibition.py"],
+    "light": [
+        BENCH / "light.py",
+        BENCH / "light_frames.py",
+        BENCH / "light_exhibition.py",
+        BENCH / "light_f12.py",
+    ],
     "capture": [
         BENCH / "capture_diffuse.py",
         BENCH / "capture_round_trip.py",
