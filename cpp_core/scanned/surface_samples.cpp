@@ -1,0 +1,115 @@
+#include "scanned/surface_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace togishi {
+namespace {
+
+double area(const TriangleMesh& mesh, const Triangle& t) {
+    const glm::dvec3 a(mesh.positions[t[0]]);
+    return 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[t[1]]) - a,
+                                        glm::dvec3(mesh.positions[t[2]]) - a));
+}
+
+// Of a triangle's number, even in [0, 1).
+double dither(std::uint64_t i) {
+    std::uint64_t z = (i + 1) * 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    z ^= z >> 31U;
+    return static_cast<double>(z >> 11U) * 0x1.0p-53;
+}
+
+std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
+    while (parent[v] != v) {
+        parent[v] = parent[parent[v]];
+        v = parent[v];
+    }
+    return v;
+}
+
+}  // namespace
+
+MeshPieces find_pieces(const TriangleMesh& mesh) {
+    std::vector<std::uint32_t> parent(mesh.positions.size());
+    std::iota(parent.begin(), parent.end(), 0U);
+    for (const Triangle& t : mesh.triangles) {
+        const std::uint32_t a = root(parent, t[0]);
+        for (const std::uint32_t other : {t[1], t[2]}) {
+            const std::uint32_t b = root(parent, other);
+            if (b != a) parent[b] = a;
+        }
+    }
+    constexpr std::uint32_t none = 0xffffffffU;
+    std::vector<std::uint32_t> number(mesh.positions.size(), none);
+    MeshPieces result;
+    result.of.resize(mesh.triangles.size());
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        const Triangle& t = mesh.triangles[f];
+        const std::uint32_t r = root(parent, t[0]);
+        if (number[r] == none) {
+            number[r] = static_cast<std::uint32_t>(result.pieces.size());
+            const glm::dvec3 p(mesh.positions[t[0]]);
+            result.pieces.push_back({0, p, p, 0});
+        }
+        MeshPiece& piece = result.pieces[number[r]];
+        result.of[f] = number[r];
+        piece.area_mm2 += area(mesh, t);
+        ++piece.triangles;
+        for (const std::uint32_t v : t) {
+            piece.low = glm::min(piece.low, glm::dvec3(mesh.positions[v]));
+            piece.high = glm::max(piece.high, glm::dvec3(mesh.positions[v]));
+        }
+    }
+    std::vector<std::uint32_t> order(result.pieces.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return result.pieces[a].area_mm2 > result.pieces[b].area_mm2;
+    });
+    std::vector<std::uint32_t> rank(order.size());
+    std::vector<MeshPiece> sorted;
+    sorted.reserve(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        rank[order[i]] = static_cast<std::uint32_t>(i);
+        sorted.push_back(result.pieces[order[i]]);
+    }
+    result.pieces = std::move(sorted);
+    for (std::uint32_t& piece : result.of) piece = rank[piece];
+    return result;
+}
+
+std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, const MeshPieces& pieces,
+                                          std::span<const char> wanted, double count) {
+    double total = 0;
+    for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
+        if (wanted[i] != 0) total += pieces.pieces[i].area_mm2;
+    }
+    std::vector<SurfaceSample> samples;
+    if (!(total > 0)) return samples;
+    samples.reserve(static_cast<std::size_t>(count * 1.05) + 16);
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        if (wanted[pieces.of[f]] == 0) continue;
+        const double share = area(mesh, mesh.triangles[f]) / total * count;
+        const auto n = static_cast<int>(share + dither(f));
+        const auto triangle = static_cast<std::uint32_t>(f);
+        if (n == 1) {
+            samples.push_back({triangle, {1.0F / 3, 1.0F / 3}});
+            continue;
+        }
+        // Additive recurrence with the plastic number: even over a square, folded to the triangle.
+        for (int i = 0; i < n; ++i) {
+            double b = std::fmod(0.5 + 0.7548776662466927 * (i + 1), 1.0);
+            double c = std::fmod(0.5 + 0.5698402909980532 * (i + 1), 1.0);
+            if (b + c > 1) {
+                b = 1 - b;
+                c = 1 - c;
+            }
+            samples.push_back({triangle, {static_cast<float>(b), static_cast<float>(c)}});
+        }
+    }
+    return samples;
+}
+
+}  // namespace togishi
