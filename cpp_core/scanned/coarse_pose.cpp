@@ -153,6 +153,7 @@ Machi find_machi(const std::vector<LengthBin>& bins) {
     const auto n = static_cast<int>(bins.size());
     const double thickness = std::max(0.5, median_of(bins, &LengthBin::thickness, 0.2, 0.8));
     std::vector<double> widths;
+    widths.reserve(bins.size());
     for (const LengthBin& bin : bins) {
         if (!bin.fitting && bin.samples >= 4) widths.push_back(bin.width());
     }
@@ -203,6 +204,9 @@ std::vector<char> find_body(const TriangleMesh& mesh, const MeshPieces& pieces) 
     std::vector<CurveSample> line;
     std::vector<double> y;
     std::vector<double> z;
+    line.reserve(cloud.points.size());
+    y.reserve(cloud.points.size());
+    z.reserve(cloud.points.size());
     double low = 1e300;
     double high = -1e300;
     for (const glm::dvec3& p : cloud.points) {
