@@ -1,6 +1,6 @@
 // Mip levels of a normal map by the leans of its texels: a texel of level n holds the mean lean of
 // the texels that it covers and the covariance of theirs about it, so that a lobe widened by it
-// (shaders/shared/normal_map.glsl) keeps the energy and the shape of what the texels reflect
+// (shaders/shared/detail/normal_map.glsl) keeps the energy and the shape of what the texels reflect
 // together.
 //
 // Exact for the first two moments at every level. What remains is that the mixture is taken as a

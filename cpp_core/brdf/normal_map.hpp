@@ -1,4 +1,4 @@
-// The formulas of normal maps (shaders/shared/normal_map.glsl), compiled for the CPU
+// The formulas of normal maps (shaders/shared/detail/normal_map.glsl), compiled for the CPU
 // beside the model: togishi::f32 as the GPU computes them, togishi::f64.
 #pragma once
 #include "brdf/model.hpp"
@@ -7,7 +7,7 @@
 #define TG_PRECISE
 
 namespace togishi::f32 {
-#include "shared/normal_map.glsl"
+#include "shared/detail/normal_map.glsl"
 }  // namespace togishi::f32
 
 #define TG_DOUBLE
@@ -16,7 +16,7 @@ namespace togishi::f32 {
 #define vec3 dvec3
 #define vec4 dvec4
 namespace togishi::f64 {
-#include "shared/normal_map.glsl"
+#include "shared/detail/normal_map.glsl"
 }  // namespace togishi::f64
 #undef float
 #undef vec2

@@ -1,5 +1,5 @@
 // The material's normal map in a pixel (TG_NORMAL_MAP): all its mip levels side by side in one texture, as atlas.glsl's.
-#include "shared/normal_map.glsl"
+#include "shared/detail/normal_map.glsl"
 
 struct NormalSample {
     NormalTexel texel;

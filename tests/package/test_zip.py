@@ -114,6 +114,7 @@ LICENCES = {
     "pybind11": "pybind11.txt",
     "Eigen": "eigen.txt",
     "meshoptimizer": "meshoptimizer.txt",
+    "nlohmann": "nlohmann-json.txt",
 }
 
 
