@@ -56,8 +56,10 @@ Json json_of(const RecordDimension& d) {
 
 Json json_of(const RecordStep& step, std::size_t number) {
     Json parameters = Json::object();
-    for (const auto& [name, value] : step.parameters)
-        std::visit([&](const auto& v) { parameters[name] = v; }, value);
+    for (const auto& parameter : step.parameters) {
+        Json& to = parameters[parameter.first];
+        std::visit([&to](const auto& v) { to = v; }, parameter.second);
+    }
     Json figures = Json::array();
     for (const RecordFigure& f : step.figures)
         figures.push_back(dimension_of(f.name, f.value, f.unit));
