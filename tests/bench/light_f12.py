@@ -138,15 +138,18 @@ def curve(
 
 
 def samples_to(points: list[Point], percent: float) -> float:
-    """Between measured counts on the line in logarithms; beyond the last as random samples go, with their square root.
-    A curve that is within at its first point needs that one."""
+    """On the line in logarithms between measured counts; beyond the last on that of the last two. (The square root of
+    random samples would be too much to ask of Cycles, whose samples are better spread.) A curve that is within at its
+    first point needs that one."""
     if points[0].error_pct <= percent:
         return float(points[0].samples)
     for low, high in pairwise(points):
         if high.error_pct <= percent < low.error_pct:
             share = math.log(low.error_pct / percent) / math.log(low.error_pct / high.error_pct)
             return low.samples * (high.samples / low.samples) ** share
-    return points[-1].samples * (points[-1].error_pct / percent) ** 2
+    low, high = points[-2:]
+    slope = math.log(low.error_pct / high.error_pct) / math.log(high.samples / low.samples)
+    return high.samples * (high.error_pct / percent) ** (1.0 / max(slope, 0.5))
 
 
 def seconds_of(points: list[Point], samples: float) -> float:
@@ -229,10 +232,10 @@ def measure(quick: bool) -> Measurement:
                 ">=",
                 how=f"Cycles' time over ours, the whole picture; {SIZE[0]}x{SIZE[1]}; rms over the picture's mean, luminance; ours {need['ours']:.3g} samples in "
                 f"{seconds[0]:.3g} s, Cycles {need['Cycles']:.4g} in {seconds[1]:.3g} s (CPU, no light between objects, no denoiser"
-                + (
-                    "; samples beyond the most measured by the square root"
-                    if need["Cycles"] > of_cycles[-1].samples
-                    else ""
+                + "".join(
+                    f"; samples of {name} beyond the {points[-1].samples} measured as the last two fall"
+                    for name, points in (("ours", of_ours), ("Cycles", of_cycles))
+                    if need[name] > points[-1].samples
                 )
                 + ")",
             )
