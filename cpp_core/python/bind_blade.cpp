@@ -98,6 +98,8 @@ void bind_blade(py::module_& m) {
                                    return py::make_tuple(k.mesh.frame.length_mm(),
                                                          k.mesh.frame.chart_height_mm);
                                })
+        .def_property_readonly("frame",
+                               [](const Katana& k) { return frame_to_python(k.mesh.frame); })
         .def_property_readonly("measures", [](const Katana& k) { return k.measures; });
 
     m.def(

@@ -135,6 +135,7 @@ class Katana:
     s_mm: F32  # (V,)
     t_mm: F32  # (V,) developed distance from the mune ridge
     chart_mm: tuple[float, float]  # size that u and v in [0, 1] span
+    frame: dict[str, Any]  # {"frame": ...}: the outline in the chart, as steel_pattern takes it
     measures: dict[
         str, float
     ]  # what was asked for, measured again on the mesh: nagasa_mm, sori_mm, ...

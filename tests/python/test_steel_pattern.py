@@ -1,5 +1,6 @@
 """The steel pattern through the module: shapes, parameters, refusals, progress."""
 
+import json
 import math
 
 import numpy as np
@@ -98,3 +99,37 @@ def test_progress_rises_to_one_and_cancels():
         pattern(progress=lambda done: done < 0.5)
     with pytest.raises(ZeroDivisionError):
         pattern(progress=lambda done: 1 / 0)
+
+
+def test_a_pattern_over_a_chart_is_that_over_the_blade_it_belongs_to():
+    frame = core.katana(SHORT, 0.02).frame
+    kept = json.loads(json.dumps(frame))
+    over = core.steel_pattern(kept, core.default_material(), {}, 96, 32)
+    direct = pattern()
+    for name in direct:
+        # The kept curves are rounded to 1e-6 mm.
+        np.testing.assert_allclose(over[name], direct[name], atol=1e-3, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"edge_mm": [1.0]}, "edge_mm"),
+        ({"skew": [0.0, 0.0]}, "skew"),
+        ({"lift_mm": "none"}, "lift_mm"),
+        ({"nagasa_mm": -1.0}, "nagasa_mm"),
+        ({"nagasa_mm": math.nan}, "nagasa_mm"),
+        ({"yokote_s_mm": None}, "yokote_s_mm"),
+    ],
+)
+def test_a_chart_that_no_blade_has_is_refused(change, named):
+    kept = core.katana(SHORT, 0.02).frame
+    kept["frame"] |= change
+    with pytest.raises(core.InputError, match=named):
+        core.steel_pattern(kept, core.default_material(), {}, 96, 32)
+
+
+@pytest.mark.parametrize("frame", [None, 3, [], {}])
+def test_a_chart_without_curves_is_refused(frame):
+    with pytest.raises(core.InputError, match=r"frame|nakago_mm"):
+        core.steel_pattern({"frame": frame}, core.default_material(), {}, 96, 32)
