@@ -3,25 +3,14 @@
 #pragma once
 #include "brdf/model.hpp"
 
-#define TG_FN inline
-#define TG_PRECISE
+#include "brdf/glsl_begin.inc"
 
 namespace togishi::f32 {
 #include "shared/area_lights.glsl"
 }  // namespace togishi::f32
 
-#define TG_DOUBLE
-#define float double
-#define vec2 dvec2
-#define vec3 dvec3
-#define vec4 dvec4
+#include "brdf/glsl_in_double.inc"
 namespace togishi::f64 {
 #include "shared/area_lights.glsl"
 }  // namespace togishi::f64
-#undef float
-#undef vec2
-#undef vec3
-#undef vec4
-#undef TG_DOUBLE
-#undef TG_PRECISE
-#undef TG_FN
+#include "brdf/glsl_end.inc"

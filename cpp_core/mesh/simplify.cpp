@@ -349,8 +349,8 @@ struct Stretch {
     std::vector<float> attributes;
 };
 
-/// Stretches across the longest side, shifted by `shift` of a stretch. careful: sharp edges are
-/// left.
+/// Stretches across the longest side, shifted by `shift` of a stretch. rough: sharp edges are
+/// left as they are, few attempts.
 SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& options, double shift,
                             bool rough) {
     const std::size_t count =

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "mesh/components.hpp"
+
 namespace togishi {
 namespace {
 
@@ -22,33 +24,17 @@ double dither(std::uint64_t i) {
     return static_cast<double>(z >> 11U) * 0x1.0p-53;
 }
 
-std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
-
 }  // namespace
 
 MeshPieces find_pieces(const TriangleMesh& mesh) {
-    std::vector<std::uint32_t> parent(mesh.positions.size());
-    std::iota(parent.begin(), parent.end(), 0U);
-    for (const Triangle& t : mesh.triangles) {
-        const std::uint32_t a = root(parent, t[0]);
-        for (const std::uint32_t other : {t[1], t[2]}) {
-            const std::uint32_t b = root(parent, other);
-            if (b != a) parent[b] = a;
-        }
-    }
+    const Components found = find_components(mesh);
     constexpr std::uint32_t none = 0xffffffffU;
-    std::vector<std::uint32_t> number(mesh.positions.size(), none);
+    std::vector<std::uint32_t> number(found.count, none);
     MeshPieces result;
     result.of.resize(mesh.triangles.size());
     for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
         const Triangle& t = mesh.triangles[f];
-        const std::uint32_t r = root(parent, t[0]);
+        const std::uint32_t r = found.of_vertex[t[0]];
         if (number[r] == none) {
             number[r] = static_cast<std::uint32_t>(result.pieces.size());
             const glm::dvec3 p(mesh.positions[t[0]]);

@@ -7,6 +7,6 @@ LobeForm spread_lobe(LobeForm form, SteelPixel p) {
 }
 
 // A measured weight is the lobe's own peak and sinks as it widens; a normalised one (negative) stays one.
-float spread_weight(float own_weight, LobeForm form, SteelPixel p) {
-    return own_weight * spread_lobe(form, p).scale / form.scale;
+float spread_weight(float own_weight, LobeForm own, LobeForm wide) {
+    return own_weight * wide.scale / own.scale;
 }

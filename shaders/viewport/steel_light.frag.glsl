@@ -295,24 +295,27 @@ void main() {
     s.chi = p.chi;
     s.ji = form_of(p.ji);
 #ifdef TG_NORMAL_MAP
-    s.chi = spread_weight(s.chi, s.ji, p);
-    s.ji = spread_lobe(s.ji, p);
+    LobeForm own_ji = s.ji;
+    s.ji = spread_lobe(own_ji, p);
+    s.chi = spread_weight(s.chi, own_ji, s.ji);
 #endif
     float widest = least(s.ji); // smallest exponent over phi^2 of all lobes
 #ifndef TG_ONE_LOBE
     s.ha = form_of(p.ha);
     s.beta_ha = p.beta_ha;
 #ifdef TG_NORMAL_MAP
-    s.beta_ha = spread_weight(s.beta_ha, s.ha, p);
-    s.ha = spread_lobe(s.ha, p);
+    LobeForm own_ha = s.ha;
+    s.ha = spread_lobe(own_ha, p);
+    s.beta_ha = spread_weight(s.beta_ha, own_ha, s.ha);
 #endif
     widest = p.w > 0.0 ? min(widest, least(s.ha)) : widest;
 #ifdef TG_HADORI
     s.hadori = form_of(p.hadori);
     s.beta_hadori = p.beta_hadori;
 #ifdef TG_NORMAL_MAP
-    s.beta_hadori = spread_weight(s.beta_hadori, s.hadori, p);
-    s.hadori = spread_lobe(s.hadori, p);
+    LobeForm own_hadori = s.hadori;
+    s.hadori = spread_lobe(own_hadori, p);
+    s.beta_hadori = spread_weight(s.beta_hadori, own_hadori, s.hadori);
 #endif
     widest = p.h > 0.0 ? min(widest, least(s.hadori)) : widest;
 #endif

@@ -197,6 +197,7 @@ def test_the_far_side_does_not_shine_through_at_the_edge(scenes, renderer, mirro
         None,
         None,
         None,
+        frozenset({0}),
     )
     assert mesh.closed
     camera = scenes.look_at((0.0, -6.0, 0.0), fov_deg=22.0, near=1e-4)

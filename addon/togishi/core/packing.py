@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .pace import coarse_size
 from .scene_data import (
     F32,
     F64,
@@ -82,8 +83,9 @@ def coarse_camera(camera: Camera, size: tuple[int, int], step: int) -> Camera:
     """The camera of a picture of `size` pixels for one whose pixels are `step` times as wide: where they do not fit
     into it, the last ones reach beyond the right and upper border."""
     projection = np.array(camera.projection, np.float64)
+    coarse = coarse_size(size, step)
     for axis in (0, 1):
-        share = size[axis] / (-(-size[axis] // step) * step)
+        share = size[axis] / (coarse[axis] * step)
         # clip' = share (clip + w) - w: the left and lower border stay.
         projection[axis] = share * (projection[axis] + projection[3]) - projection[3]
     return Camera(camera.view, projection)
@@ -418,11 +420,9 @@ def map_data(lobes: NDArray[np.float16], shape: NDArray[np.float16] | None, leve
     )
 
 
-def _cut(
-    levels: I32, size: tuple[int, ...], largest: int
-) -> tuple[int, tuple[slice, slice], tuple[int, int]]:
-    """The first level whose atlas, with all after it, has no side above `largest` texels; rows and columns of the atlas
-    that these levels and their border of one texel cover; the corner (x, y) of that part."""
+def _cut(levels: I32, size: tuple[int, ...], largest: int) -> tuple[tuple[slice, slice], I32]:
+    """Rows and columns of an atlas that its finest levels, as many as fit, and their border of one texel cover so that
+    no side is above `largest` texels; those levels in that part."""
     for first in range(len(levels)):
         left, bottom = (levels[first:, :2].min(axis=0) - 1).clip(0)
         right, top = (levels[first:, :2] + levels[first:, 2:]).max(axis=0) + 1
@@ -430,17 +430,18 @@ def _cut(
             left, bottom = 0, 0
             top, right = size[:2]
         if max(right - left, top - bottom) <= largest:
-            return first, (slice(bottom, top), slice(left, right)), (int(left), int(bottom))
+            part = (slice(bottom, top), slice(left, right))
+            return part, levels[first:] - np.asarray((left, bottom, 0, 0), np.int32)
     raise ValueError(f"largest texture is {largest} texels; allowed: 3 or more")
 
 
 def coarser_maps(maps: MapData, largest: int) -> MapData:
     """The same maps without their finest levels, so that no side of an atlas is above `largest` texels."""
-    first, part, (left, bottom) = _cut(maps.levels, maps.lobes.shape, largest)
+    part, levels = _cut(maps.levels, maps.lobes.shape, largest)
     return MapData(
         lobes=np.ascontiguousarray(maps.lobes[part]),
         shape=None if maps.shape is None else np.ascontiguousarray(maps.shape[part]),
-        levels=maps.levels[first:] - np.asarray((left, bottom, 0, 0), np.int32),
+        levels=levels,
         hadori=maps.hadori,
         anisotropic=maps.anisotropic,
     )
@@ -448,11 +449,11 @@ def coarser_maps(maps: MapData, largest: int) -> MapData:
 
 def coarser_normal_map(maps: NormalMapData, largest: int) -> NormalMapData:
     """As coarser_maps."""
-    first, part, (left, bottom) = _cut(maps.levels, maps.leans.shape, largest)
+    part, levels = _cut(maps.levels, maps.leans.shape, largest)
     return NormalMapData(
         leans=np.ascontiguousarray(maps.leans[part]),
         correlations=np.ascontiguousarray(maps.correlations[part]),
-        levels=maps.levels[first:] - np.asarray((left, bottom, 0, 0), np.int32),
+        levels=levels,
     )
 
 
@@ -586,5 +587,7 @@ def build_mesh(
         uv=uv,
         tangent=tangent,
         groups=tuple(groups),
-        closed=is_closed(np.asarray(position), np.asarray(corner_vertex, np.int64)[triangles]),
+        # Asked for steel alone: sorting the edges of a large stand takes longer than drawing it.
+        closed=bool(blade_slots)
+        and is_closed(np.asarray(position), np.asarray(corner_vertex, np.int64)[triangles]),
     )

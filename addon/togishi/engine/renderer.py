@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields, replace
+from typing import TypeVar
 
 import gpu
 import numpy as np
@@ -40,6 +42,9 @@ from ..core.scene_data import (
 from ..core.shader_source import ProgramSource, SteelVariant
 from ..core.tables import Tables
 from .programs import Block, build, float_buffer
+
+_Maps = TypeVar("_Maps")
+_OnGpu = TypeVar("_OnGpu")
 
 _ROWS = ("model_0", "model_1", "model_2")
 # Blender writes this depth where nothing is.
@@ -731,22 +736,8 @@ class Renderer:
         for key in [key for key in self._meshes if key not in scene.meshes]:
             del self._meshes[key]
         steels = [m.steel for m in scene.materials.values() if isinstance(m, BladeMaterial)]
-        maps = {id(steel.maps): steel.maps for steel in steels if steel.maps is not None}
-        for key, data in maps.items():
-            if key not in self._maps:
-                self._maps[key] = (data, self._gpu_maps(data))
-        for unused in [key for key in self._maps if key not in maps]:
-            del self._maps[unused]
-        normals = {
-            id(steel.normal_map): steel.normal_map
-            for steel in steels
-            if steel.normal_map is not None
-        }
-        for key, normal_map in normals.items():
-            if key not in self._normal_maps:
-                self._normal_maps[key] = (normal_map, self._gpu_normal_map(normal_map))
-        for unused in [key for key in self._normal_maps if key not in normals]:
-            del self._normal_maps[unused]
+        _keep(self._maps, (steel.maps for steel in steels), self._gpu_maps)
+        _keep(self._normal_maps, (steel.normal_map for steel in steels), self._gpu_normal_map)
 
     def _gpu_mesh(self, mesh: MeshData) -> _GpuMesh:
         if not len(mesh.position):
@@ -913,6 +904,20 @@ def _material(
 ) -> tuple[str, BladeMaterial | PlainMaterial]:
     key = instance.materials[min(slot, len(instance.materials) - 1)]
     return key, scene.materials[key]
+
+
+def _keep(
+    kept: dict[int, tuple[_Maps, _OnGpu]],
+    wanted: Iterable[_Maps | None],
+    make: Callable[[_Maps], _OnGpu],
+) -> None:
+    """On the GPU: what is wanted, made where it is not there yet; the rest goes."""
+    data = {id(one): one for one in wanted if one is not None}
+    for key, one in data.items():
+        if key not in kept:
+            kept[key] = (one, make(one))
+    for unused in [key for key in kept if key not in data]:
+        del kept[unused]
 
 
 def _screen_state() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import bpy
 import numpy as np
 
@@ -24,6 +27,8 @@ from .image_maps import MapError, image_key, read_maps, read_normal_map
 from .light_read import read_light, read_world
 from .material_read import read_plain
 from .mesh_read import read_mesh
+
+_Data = TypeVar("_Data", MapData, NormalMapData)
 
 _NO_MATERIAL = "no material"
 _GENERATED = "generated "  # keys of meshes that no data-block stands for
@@ -100,8 +105,9 @@ class SceneSync:
                 for name in [k for k, known in self._materials.items() if known[0] == uid]:
                     del self._materials[name]
             if isinstance(changed, bpy.types.Image):
-                self._maps = {k: v for k, v in self._maps.items() if uid not in _uids(k)}
-                self._normal_maps = {k: v for k, v in self._normal_maps.items() if k[0] != uid}
+                for known in (self._maps, self._normal_maps):
+                    for key in [k for k in known if uid in _uids(k)]:
+                        del known[key]
                 self._materials.clear()
                 self._environment.key = ()
         return only_lights
@@ -243,19 +249,7 @@ class SceneSync:
         if lobes is None:
             return None, ""
         key = (image_key(lobes), None if shape is None else image_key(shape))
-        known = self._maps.get(key)
-        if known is None:
-            try:
-                known = read_maps(lobes, shape)
-            except MapError as error:
-                known = str(error)
-            # Other revisions of the same images are not asked for again.
-            uids = _uids(key)
-            self._maps = {k: v for k, v in self._maps.items() if _uids(k) != uids}
-            self._maps[key] = known
-        if isinstance(known, str):
-            return None, f"Material {material.name!r}: {known}"
-        return known, ""
+        return _read_once(self._maps, key, material, lambda: read_maps(lobes, shape))
 
     def _material_normal_map(
         self, material: bpy.types.Material
@@ -263,18 +257,8 @@ class SceneSync:
         image = material.togishi.normal_image
         if image is None:
             return None, ""
-        key = image_key(image)
-        known = self._normal_maps.get(key)
-        if known is None:
-            try:
-                known = read_normal_map(image)
-            except MapError as error:
-                known = str(error)
-            self._normal_maps = {k: v for k, v in self._normal_maps.items() if k[0] != key[0]}
-            self._normal_maps[key] = known
-        if isinstance(known, str):
-            return None, f"Material {material.name!r}: {known}"
-        return known, ""
+        key = (image_key(image),)
+        return _read_once(self._normal_maps, key, material, lambda: read_normal_map(image))
 
     def _mesh(
         self, obj: bpy.types.Object, is_instance: bool, keys: tuple[str, ...]
@@ -325,6 +309,28 @@ class SceneSync:
             return read_mesh(mesh, blade_slots)
         finally:
             obj.to_mesh_clear()
+
+
+def _read_once(
+    known: dict[tuple[object, ...], _Data | str],
+    key: tuple[object, ...],
+    material: bpy.types.Material,
+    read: Callable[[], _Data],
+) -> tuple[_Data | None, str]:
+    """What `read` makes of a material's images, kept by their keys; or None and why there is nothing."""
+    found = known.get(key)
+    if found is None:
+        try:
+            found = read()
+        except MapError as error:
+            found = str(error)
+        # Other revisions of the same images are not asked for again.
+        for old in [k for k in known if _uids(k) == _uids(key)]:
+            del known[old]
+        known[key] = found
+    if isinstance(found, str):
+        return None, f"Material {material.name!r}: {found}"
+    return found, ""
 
 
 def _uids(key: tuple[object, ...]) -> set[object]:
