@@ -11,6 +11,7 @@ namespace togishi::f32 {
 
 #include "brdf/glsl_in_double.inc"
 namespace togishi::f64 {
+// Read again on purpose, now in double. NOLINTNEXTLINE(readability-duplicate-include)
 #include "shared/area_lights.glsl"
 }  // namespace togishi::f64
 #include "brdf/glsl_end.inc"

@@ -13,6 +13,7 @@ using namespace glm;
 #include "brdf/glsl_in_double.inc"
 namespace togishi::f64 {
 using namespace glm;
+// Read again on purpose, now in double. NOLINTNEXTLINE(readability-duplicate-include)
 #include "shared/model.glsl"
 }  // namespace togishi::f64
 #include "brdf/glsl_end.inc"
