@@ -30,13 +30,23 @@ struct BladeMesh {
 
 /// A single-precision UV places a corner to 3e-5 mm: lower triangles are no measure of the chart.
 inline constexpr double least_chart_height_mm = 0.02;
-/// The same for a scan, whose surface is known to some hundredths of a millimetre.
-inline constexpr double least_scan_height_mm = 0.5;
 
 /// The largest stretch of the chart over the blade from machi to tip, in the triangles that are not
 /// lower than this: by how many percent a length in it differs from the surface's. The nakago (its
 /// walls lie across the chart) and what is no part of the blade are left out.
 [[nodiscard]] double uv_stretch_percent(const BladeMesh& mesh,
                                         double least_height_mm = least_chart_height_mm);
+
+/// Where the stretch of a scan's chart is measured: its own triangles lie as they were seen, across
+/// a ridge or on a grain of noise, and it rounds off the walls of the machi.
+struct StretchShare {
+    double of_area = 0.99;
+    double least_height_mm = 0.5;
+    double from_s_mm = 2;  ///< triangles that begin before it are left out
+};
+
+/// What the stretch does not pass over that share of the area; no maximum.
+[[nodiscard]] double uv_stretch_of_area_percent(const BladeMesh& mesh,
+                                                const StretchShare& share = {});
 
 }  // namespace togishi

@@ -1,10 +1,13 @@
 // The cross-sections of a generated katana, as a perfect scan would have them.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "blade/katana_mesh.hpp"
 #include "blade/katana_shape.hpp"
+#include "scanned/chart.hpp"
 #include "scanned/stations.hpp"
 
 namespace togishi {
@@ -64,6 +67,24 @@ inline ScannedStations katana_stations(const KatanaShape& shape, double step_mm 
         result.stations.push_back(s);
     }
     return result;
+}
+
+/// The katana's surface with the scanned chart's places.
+inline BladeMesh on_chart(const KatanaMesh& katana, const ScannedChart& chart) {
+    BladeMesh mesh = katana;
+    mesh.frame = chart.frame();
+    for (std::size_t f = 0; f < katana.face_count(); ++f) {
+        const auto a = static_cast<std::size_t>(katana.face_start[f]);
+        const auto b = static_cast<std::size_t>(katana.face_start[f + 1]);
+        float v = 0;
+        for (std::size_t c = a; c < b; ++c) v += katana.corner_uv[c].y / static_cast<float>(b - a);
+        for (std::size_t c = a; c < b; ++c) {
+            const ChartPlace place =
+                chart.place(katana.positions_mm[static_cast<std::size_t>(katana.corner_vertex[c])]);
+            mesh.corner_uv[c] = chart.uv(place.s_mm, place.t_mm, v < 0.5F);
+        }
+    }
+    return mesh;
 }
 
 }  // namespace togishi

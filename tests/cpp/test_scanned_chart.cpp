@@ -22,27 +22,21 @@ struct Charted {
 };
 
 Charted charted(const KatanaMesh& katana, const ScannedChart& chart) {
-    Charted result{katana, 0, 0};
-    result.mesh.frame = chart.frame();
+    Charted result{on_chart(katana, chart), 0, 0};
+    auto from_machi = [](const BladeFrame& frame, const glm::dvec2& at) {
+        return glm::dvec2(at.x * frame.length_mm() - frame.nakago_mm,
+                          (at.y - 0.5) * frame.chart_height_mm);
+    };
     for (std::size_t f = 0; f < katana.face_count(); ++f) {
-        const auto a = static_cast<std::size_t>(katana.face_start[f]);
-        const auto b = static_cast<std::size_t>(katana.face_start[f + 1]);
-        float v = 0;
-        for (std::size_t c = a; c < b; ++c) v += katana.corner_uv[c].y / static_cast<float>(b - a);
-        for (std::size_t c = a; c < b; ++c) {
-            const ChartPlace place =
-                chart.place(katana.positions_mm[static_cast<std::size_t>(katana.corner_vertex[c])]);
-            const glm::dvec2 uv = chart.uv(place.s_mm, place.t_mm, v < 0.5F);
-            result.mesh.corner_uv[c] = uv;
-            if (katana.face_part[f] == Part::nakago) continue;
-            auto from_machi = [](const BladeFrame& frame, const glm::dvec2& at) {
-                return glm::dvec2(at.x * frame.length_mm() - frame.nakago_mm,
-                                  (at.y - 0.5) * frame.chart_height_mm);
-            };
+        if (katana.face_part[f] == Part::nakago) continue;
+        for (auto c = static_cast<std::size_t>(katana.face_start[f]);
+             c < static_cast<std::size_t>(katana.face_start[f + 1]); ++c) {
             result.worst_mm = std::max(
-                result.worst_mm, glm::distance(from_machi(chart.frame(), uv),
+                result.worst_mm, glm::distance(from_machi(chart.frame(), result.mesh.corner_uv[c]),
                                                from_machi(katana.frame, katana.corner_uv[c])));
-            result.off_mm = std::max(result.off_mm, std::abs(place.off_mm));
+            const auto v = static_cast<std::size_t>(katana.corner_vertex[c]);
+            result.off_mm =
+                std::max(result.off_mm, std::abs(chart.place(katana.positions_mm[v]).off_mm));
         }
     }
     return result;
@@ -107,7 +101,7 @@ TEST(ScannedChart, NoiseOfTheCrossSectionsIsEvenedOut) {
     }
     const ScannedChart chart(stations);
     const Charted c = charted(katana, chart);
-    EXPECT_LE(uv_stretch_percent(c.mesh, least_scan_height_mm), 3.0);
+    EXPECT_LE(uv_stretch_percent(c.mesh, StretchShare{}.least_height_mm), 3.0);
     EXPECT_LE(c.worst_mm, 0.5);
 }
 
