@@ -435,6 +435,9 @@ void ScannedChart::make_frame(const ScannedStations& stations, const ChartOption
         Development tried = develop_blade(metric, sample_arc_mm_, std::max(0.0, from));
         if (tried.worst < best.worst) best = std::move(tried);
     }
+    if (best.s_mm.empty())
+        throw InputError("scanned blade", "stations", "cross-sections of no size",
+                         "cross-sections whose outlines can be laid flat");
     sample_s_mm_ = best.s_mm;
     const double machi = sample_s_mm_[before];
     for (double& value : sample_s_mm_) value -= machi;

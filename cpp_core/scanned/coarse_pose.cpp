@@ -122,9 +122,33 @@ void find_fittings(std::vector<LengthBin>& bins) {
     std::vector<char> thick(bins.size(), 0);
     for (std::size_t b = 0; b < bins.size(); ++b)
         thick[b] = bins[b].thickness > even.at(bins[b].x) + limit ? 1 : 0;
-    for (std::size_t b = 0; b < bins.size(); ++b) {
-        for (std::size_t n = b == 0 ? 0 : b - 1; n < std::min(bins.size(), b + 2); ++n)
-            bins[b].fitting = bins[b].fitting || thick[n] != 0;
+    // It begins and ends with a step; a blade that is only unevenly thick does not.
+    auto middle_of = [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+        std::vector<double> values;
+        for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(0, first);
+             b < std::min(end, static_cast<std::ptrdiff_t>(bins.size())); ++b) {
+            const LengthBin& bin = bins[static_cast<std::size_t>(b)];
+            if (bin.samples >= 4) values.push_back(bin.thickness);
+        }
+        return values.empty() ? -1 : quantile(values, 0.5);
+    };
+    for (std::size_t b = 0; b < bins.size();) {
+        if (thick[b] == 0) {
+            ++b;
+            continue;
+        }
+        std::size_t e = b;
+        while (e < bins.size() && thick[e] != 0) ++e;
+        const auto first = static_cast<std::ptrdiff_t>(b);
+        const auto end = static_cast<std::ptrdiff_t>(e);
+        const double inside = std::min(middle_of(first, first + 4), middle_of(end - 4, end));
+        const double outside =
+            std::max(middle_of(first - 7, first - 2), middle_of(end + 2, end + 7));
+        if (inside > outside + 0.6 * limit) {
+            for (std::size_t k = b == 0 ? 0 : b - 1; k < std::min(bins.size(), e + 1); ++k)
+                bins[k].fitting = true;
+        }
+        b = e;
     }
 }
 
@@ -142,6 +166,7 @@ double median_of(const std::vector<LengthBin>& bins, double LengthBin::*member, 
 struct Machi {
     double score = 0;
     double x = 0;
+    double low_x = 0, high_x = 0;  // it lies between these, of which more is to be seen
 };
 
 // The step where the tang begins: the blade ahead is wider, and its edge side thin. `bins` run from
@@ -181,8 +206,15 @@ Machi find_machi(const std::vector<LengthBin>& bins) {
         if (wider < 0.03 || thinner < 0.06) continue;
         const double score = std::min(wider, 0.3) + std::min(thinner, 0.5);
         if (score > best.score)
-            best = {score, 0.5 * (bins[static_cast<std::size_t>(nearest[0])].x +
-                                  bins[static_cast<std::size_t>(nearest[1])].x)};
+            best = {score, 0, bins[static_cast<std::size_t>(nearest[0])].x,
+                    bins[static_cast<std::size_t>(nearest[1])].x};
+    }
+    best.x = 0.5 * (best.low_x + best.high_x);
+    // Under a fitting it is rarely in the middle: the habaki sits on it.
+    for (const LengthBin& bin : bins) {
+        if (!bin.fitting || bin.x < best.low_x || bin.x > best.high_x) continue;
+        best.x = std::min(best.x, bin.x);
+        break;
     }
     return best;
 }
@@ -245,6 +277,13 @@ std::vector<char> find_body(const TriangleMesh& mesh, const MeshPieces& pieces) 
 
 }  // namespace
 
+std::vector<LengthBin> find_length_bins(const std::vector<glm::dvec3>& points) {
+    if (points.empty()) return {};
+    std::vector<LengthBin> bins = make_bins(points);
+    find_fittings(bins);
+    return bins;
+}
+
 CoarsePose find_coarse_pose(const TriangleMesh& mesh, const MeshPieces& pieces,
                             const PoseCorrection& correction) {
     CoarsePose pose;
@@ -263,9 +302,7 @@ CoarsePose find_coarse_pose(const TriangleMesh& mesh, const MeshPieces& pieces,
         std::vector<glm::dvec3> points;
         points.reserve(cloud.points.size());
         for (const glm::dvec3& p : cloud.points) points.push_back(turn * (p - cloud.middle));
-        std::vector<LengthBin> bins = make_bins(points);
-        find_fittings(bins);
-        return bins;
+        return find_length_bins(points);
     };
     std::vector<LengthBin> bins = bins_now();
     double edge = median_of(bins, &LengthBin::edge_thickness, 0.3, 0.8);

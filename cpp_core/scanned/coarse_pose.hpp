@@ -27,6 +27,9 @@ struct LengthBin {
     [[nodiscard]] double width() const { return back_z - edge_z; }
 };
 
+/// Bins along x of points of a blade whose back is above (z) and whose thickness lies along y.
+[[nodiscard]] std::vector<LengthBin> find_length_bins(const std::vector<glm::dvec3>& points);
+
 struct CoarsePose {
     glm::dmat3 rotation{1};  ///< rough blade coordinates = rotation (scan - origin): x to the tip,
                              ///< z to the back, y out of omote

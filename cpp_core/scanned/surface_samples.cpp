@@ -66,19 +66,18 @@ MeshPieces find_pieces(const TriangleMesh& mesh) {
     return result;
 }
 
-std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, const MeshPieces& pieces,
-                                          std::span<const char> wanted, double count) {
-    double total = 0;
-    for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
-        if (wanted[i] != 0) total += pieces.pieces[i].area_mm2;
-    }
+std::vector<SurfaceSample> sample_surface(
+    const TriangleMesh& mesh, const MeshPieces& pieces, std::span<const char> wanted,
+    const std::function<double(const glm::dvec3& middle)>& per_mm2) {
     std::vector<SurfaceSample> samples;
-    if (!(total > 0)) return samples;
-    samples.reserve(static_cast<std::size_t>(count * 1.05) + 16);
     for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
         if (wanted[pieces.of[f]] == 0) continue;
-        const double share = area(mesh, mesh.triangles[f]) / total * count;
-        const auto n = static_cast<int>(share + dither(f));
+        const Triangle& t = mesh.triangles[f];
+        const glm::dvec3 middle =
+            (glm::dvec3(mesh.positions[t[0]]) + glm::dvec3(mesh.positions[t[1]]) +
+             glm::dvec3(mesh.positions[t[2]])) /
+            3.0;
+        const auto n = static_cast<int>(area(mesh, t) * per_mm2(middle) + dither(f));
         const auto triangle = static_cast<std::uint32_t>(f);
         if (n == 1) {
             samples.push_back({triangle, {1.0F / 3, 1.0F / 3}});
@@ -96,6 +95,16 @@ std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, const MeshPi
         }
     }
     return samples;
+}
+
+std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, const MeshPieces& pieces,
+                                          std::span<const char> wanted, double count) {
+    double total = 0;
+    for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
+        if (wanted[i] != 0) total += pieces.pieces[i].area_mm2;
+    }
+    if (!(total > 0)) return {};
+    return sample_surface(mesh, pieces, wanted, [&](const glm::dvec3&) { return count / total; });
 }
 
 }  // namespace togishi

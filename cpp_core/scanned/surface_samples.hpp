@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,11 @@ struct MeshPieces {
 [[nodiscard]] std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh,
                                                         const MeshPieces& pieces,
                                                         std::span<const char> wanted, double count);
+
+/// The same with `per_mm2` points per mm2 about a place (of TriangleMesh::positions).
+[[nodiscard]] std::vector<SurfaceSample> sample_surface(
+    const TriangleMesh& mesh, const MeshPieces& pieces, std::span<const char> wanted,
+    const std::function<double(const glm::dvec3& middle)>& per_mm2);
 
 [[nodiscard]] inline glm::dvec3 sample_position(const TriangleMesh& mesh, const SurfaceSample& s) {
     const Triangle& t = mesh.triangles[s.triangle];

@@ -213,7 +213,23 @@ ScanMesh simulate_scan_mesh(const KatanaParameters& parameters, const ScanMeshOp
     // `detail` 1 has some 100,000 triangles.
     const KatanaMesh katana = make_katana(parameters, std::clamp(o.triangles / 1e5, 0.002, 64.0));
     scan.truth = measure_katana(katana, parameters);
-    scan.truth["nakago_mm"] = parameters.nakago_mm;
+    // The mesh's rows are too far apart to tell where the mune is deepest.
+    const MuneLine mune = KatanaShape(parameters).mune_line();
+    const double arc = mune.blade_arc_mm();
+    double deepest = 0;
+    for (int i = 0; i <= 20000; ++i) {
+        const glm::dvec2 p = mune.at(arc * i / 20000).position_mm;
+        if (p.y < deepest) {
+            deepest = p.y;
+            scan.truth["sori_at_mm"] = p.x;
+        }
+    }
+    // The nakago's length as it is measured: from the mune-machi to its farthest point.
+    double nakago = 0;
+    for (std::size_t v = 0; v < katana.positions_mm.size(); ++v) {
+        if (katana.s_mm[v] < 0) nakago = std::max(nakago, glm::length(katana.positions_mm[v]));
+    }
+    scan.truth["nakago_mm"] = nakago;
     RandomNormal random(o.seed);
 
     Soup soup;
