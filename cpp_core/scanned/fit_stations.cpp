@@ -210,7 +210,7 @@ ScannedStations stations_of_fit(const BladeFit& fit, std::span<const ScanPoint> 
             const BladePoint at = fit.curve.locate(p.position_mm);
             if (at.s_mm < fit.begin_s_mm - 0.2) continue;
             const auto k = static_cast<std::size_t>(
-                std::max(0.0, at.s_mm - fit.begin_s_mm) / result.step_mm + 0.5);
+                std::lround(std::max(0.0, at.s_mm - fit.begin_s_mm) / result.step_mm));
             if (k >= reach.size()) continue;
             reach[k].top_d = std::min(reach[k].top_d, at.d_mm);
             reach[k].edge_d = std::max(reach[k].edge_d, at.d_mm);
