@@ -1,5 +1,6 @@
 #include "base/sha256.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -57,19 +58,31 @@ void add_block(State& state, const unsigned char* block) {
 
 }  // namespace
 
-std::string sha256_hex(std::string_view bytes) {
-    State state{0x6a09e667U, 0xbb67ae85U, 0x3c6ef372U, 0xa54ff53aU,
-                0x510e527fU, 0x9b05688cU, 0x1f83d9abU, 0x5be0cd19U};
+void Sha256::add(std::string_view bytes) {
+    bytes_ += bytes.size();
+    if (!rest_.empty()) {
+        const std::size_t missing = 64 - rest_.size();
+        rest_.append(bytes.substr(0, missing));
+        bytes.remove_prefix(std::min(missing, bytes.size()));
+        if (rest_.size() < 64) return;
+        add_block(state_, reinterpret_cast<const unsigned char*>(rest_.data()));
+        rest_.clear();
+    }
     const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
     const std::size_t whole = bytes.size() / 64 * 64;
-    for (std::size_t at = 0; at < whole; at += 64) add_block(state, data + at);
+    for (std::size_t at = 0; at < whole; at += 64) add_block(state_, data + at);
+    rest_ = bytes.substr(whole);
+}
+
+std::string Sha256::hex() const {
+    State state = state_;
     // The rest, a one, zeros, and the length in bits in the last eight bytes.
     std::array<unsigned char, 128> tail{};
-    const std::size_t rest = bytes.size() - whole;
-    for (std::size_t i = 0; i < rest; ++i) tail[i] = data[whole + i];
+    const std::size_t rest = rest_.size() % 64;  // fewer than 64 they are always
+    for (std::size_t i = 0; i < rest; ++i) tail[i] = static_cast<unsigned char>(rest_[i]);
     tail[rest] = 0x80U;
     const std::size_t length = rest < 56 ? 64 : 128;
-    const std::uint64_t bits = std::uint64_t{bytes.size()} * 8;
+    const std::uint64_t bits = bytes_ * 8;
     for (std::size_t i = 0; i < 8; ++i)
         tail[length - 1 - i] = static_cast<unsigned char>(bits >> (8 * i));
     for (std::size_t at = 0; at < length; at += 64) add_block(state, tail.data() + at);
@@ -79,6 +92,12 @@ std::string sha256_hex(std::string_view bytes) {
             hex += "0123456789abcdef"[(word >> static_cast<unsigned>(shift)) & 15U];
     }
     return hex;
+}
+
+std::string sha256_hex(std::string_view bytes) {
+    Sha256 hash;
+    hash.add(bytes);
+    return hash.hex();
 }
 
 }  // namespace togishi

@@ -15,6 +15,7 @@ void add_katana_command(CLI::App& app, const Common& common);
 void add_bake_command(CLI::App& app, const Common& common);
 void add_fit_command(CLI::App& app, const Common& common);
 void add_simulate_scan_command(CLI::App& app, const Common& common);
+void add_scan_command(CLI::App& app, const Common& common);
 void add_capture_command(CLI::App& app, const Common& common);
 
 // Below `togishi capture`.

@@ -27,6 +27,7 @@ int run(int argc, char** argv) {
     togishi::cli::add_bake_command(app, common);
     togishi::cli::add_fit_command(app, common);
     togishi::cli::add_simulate_scan_command(app, common);
+    togishi::cli::add_scan_command(app, common);
     togishi::cli::add_capture_command(app, common);
     try {
         app.parse(argc, argv);

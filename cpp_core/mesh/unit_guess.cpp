@@ -18,11 +18,15 @@ double millimetres_in(LengthUnit unit) {
     return sizes[static_cast<std::size_t>(unit)];
 }
 
-UnitGuess guess_unit(double extent) {
+UnitGuess guess_unit(double extent, double width) {
     if (!std::isfinite(extent) || extent <= 0) {
         throw InputError("unit", "longest extent", std::to_string(extent),
                          "a finite number above 0");
     }
+    if (!std::isfinite(width) || width < 0) {
+        throw InputError("unit", "width", std::to_string(width), "a finite number, 0 or more");
+    }
+    constexpr double usual_width_mm = 24.0, width_spread = 0.28;
     constexpr double usual_mm = 850.0, shortest_mm = 200.0, longest_mm = 1300.0;
     constexpr std::array<double, 4> custom{3.0, 1.0, 2.0, 1.0};
     const double spread = 0.5 * std::log(usual_mm / 300.0);
@@ -34,7 +38,10 @@ UnitGuess guess_unit(double extent) {
         c.length_mm = extent * millimetres_in(c.unit);
         c.plausible = c.length_mm >= shortest_mm && c.length_mm <= longest_mm;
         const double off = std::log(c.length_mm / usual_mm) / spread;
-        c.likelihood = c.plausible ? custom[i] * std::exp(-0.5 * off * off) : 0.0;
+        const double wide =
+            width > 0 ? std::log(width * millimetres_in(c.unit) / usual_width_mm) / width_spread
+                      : 0.0;
+        c.likelihood = c.plausible ? custom[i] * std::exp(-0.5 * (off * off + wide * wide)) : 0.0;
         sum += c.likelihood;
     }
     const auto near = [&](const UnitCandidate& c) {

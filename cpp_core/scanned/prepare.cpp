@@ -1,34 +1,13 @@
 #include "scanned/prepare.hpp"
 
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
 #include "base/error.hpp"
 
 namespace togishi {
 namespace {
-
-class Clock {
-  public:
-    explicit Clock(std::map<std::string, StepTime>& time) : time_(time) {}
-    void end(const std::string& step) {
-        const auto now = std::chrono::steady_clock::now();
-        const std::clock_t cpu = std::clock();
-        StepTime& time = time_[step];
-        time.seconds += std::chrono::duration<double>(now - start_).count();
-        time.cpu_seconds += static_cast<double>(cpu - cpu_start_) / CLOCKS_PER_SEC;
-        start_ = now;
-        cpu_start_ = cpu;
-    }
-
-  private:
-    std::map<std::string, StepTime>& time_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    std::clock_t cpu_start_ = std::clock();
-};
 
 ChartedMesh lighter(const ChartedMesh& scan, SimplifiedMesh simplified) {
     ChartedMesh level;
@@ -62,7 +41,7 @@ PreparedBlade prepare_blade(TriangleMesh scan, const BladePose& pose,
         if (progress && !progress(share)) throw PrepareCancelled{};
     };
     PreparedBlade result;
-    Clock clock(result.time);
+    StepClock clock(result.time);
     result.scan_triangles = scan.triangles.size();
     const ScannedChart chart(stations, options.chart);
     clock.end("chart");
@@ -111,8 +90,10 @@ PreparedBlade prepare_blade(TriangleMesh scan, const BladePose& pose,
         result.levels.back().distance = simplified[i].distance;
         levels.push_back(lighter(charted, std::move(simplified[i])));
     }
-    result.detail = bake_detail(charted, levels.front(), chart.frame(), options.detail);
-    clock.end("detail");
+    if (options.maps) {
+        result.detail = bake_detail(charted, levels.front(), chart.frame(), options.detail);
+        clock.end("detail");
+    }
     report(0.95);
     for (std::size_t i = 0; i < levels.size(); ++i)
         result.levels[i].mesh = blade_mesh(levels[i], chart, options.detail.threads);

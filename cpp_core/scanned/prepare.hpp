@@ -9,6 +9,7 @@
 #include "mesh/simplify.hpp"
 #include "scanned/chart_mesh.hpp"
 #include "scanned/detail.hpp"
+#include "scanned/step_clock.hpp"
 
 namespace togishi {
 
@@ -17,6 +18,7 @@ struct PrepareOptions {
     std::size_t levels = 3;   ///< of detail, 1 to 6
     double level_factor = 4;  ///< by which the distance grows from level to level, above 1
     ChartOptions chart;
+    bool maps = true;  ///< what the finest level has lost, as maps
     DetailOptions detail;
     std::size_t samples = 200'000;  ///< points per side that distances are measured at
 };
@@ -27,14 +29,9 @@ struct PreparedLevel {
     MeshDistance distance;  ///< what it is, measured against the whole scan
 };
 
-struct StepTime {
-    double seconds = 0;
-    double cpu_seconds = 0;  ///< of all threads of the process
-};
-
 struct PreparedBlade {
     std::vector<PreparedLevel> levels;  ///< the finest first
-    DetailMaps detail;                  ///< against the finest
+    DetailMaps detail;                  ///< against the finest; empty without maps
     std::size_t scan_triangles = 0;
     std::size_t cut_triangles = 0;  ///< of the scan, along seams and borders
     /// Of the finest level from machi to tip: what 99 % of the area does not pass

@@ -248,6 +248,8 @@ TEST(UnitGuess, NamesTheLikeliestAndTheOthers) {
     EXPECT_TRUE(either.ambiguous);
     EXPECT_TRUE(either.candidates[1].plausible);
     EXPECT_NEAR(either.candidates[0].likelihood + either.candidates[1].likelihood, 1, 1e-9);
+    EXPECT_EQ(guess_unit(36, 2.2).unit, LengthUnit::cm);  // by its width
+    EXPECT_EQ(guess_unit(36, 1.1).unit, LengthUnit::inch);
     const UnitGuess none = guess_unit(5e5);
     EXPECT_TRUE(none.ambiguous);
     EXPECT_EQ(none.candidates[0].likelihood, 0);
