@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <utility>
 
 #include "base/error.hpp"
 #include "blade/katana_frame.hpp"
@@ -31,6 +33,34 @@ struct Soup {
     void add(std::uint32_t a, std::uint32_t b, std::uint32_t c, Part p) {
         triangles.push_back({a, b, c});
         part.push_back(p);
+    }
+    // Each triangle becomes four, with new vertices in the middle of its edges.
+    void quarter() {
+        std::unordered_map<std::uint64_t, std::uint32_t> middle;
+        middle.reserve(triangles.size() * 3 / 2);
+        auto middle_of = [&](std::uint32_t a, std::uint32_t b) {
+            const std::uint64_t key = (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
+            const auto [found, made] =
+                middle.try_emplace(key, static_cast<std::uint32_t>(positions.size()));
+            if (made) positions.push_back(0.5 * (positions[a] + positions[b]));
+            return found->second;
+        };
+        const std::vector<Triangle> whole = std::move(triangles);
+        const std::vector<Part> whole_part = std::move(part);
+        triangles.clear();
+        part.clear();
+        triangles.reserve(4 * whole.size());
+        part.reserve(4 * whole.size());
+        for (std::size_t f = 0; f < whole.size(); ++f) {
+            const Triangle& t = whole[f];
+            const std::uint32_t ab = middle_of(t[0], t[1]);
+            const std::uint32_t bc = middle_of(t[1], t[2]);
+            const std::uint32_t ca = middle_of(t[2], t[0]);
+            add(t[0], ab, ca, whole_part[f]);
+            add(ab, t[1], bc, whole_part[f]);
+            add(ca, bc, t[2], whole_part[f]);
+            add(ab, bc, ca, whole_part[f]);
+        }
     }
     // A box with `cells` cells along each of its edges' longest direction, some mm each.
     void box(const glm::dvec3& low, const glm::dvec3& high, double cell_mm) {
@@ -211,7 +241,10 @@ ScanMesh simulate_scan_mesh(const KatanaParameters& parameters, const ScanMeshOp
     ScanMesh scan;
     scan.parameters = parameters;
     // `detail` 1 has some 100,000 triangles.
-    const KatanaMesh katana = make_katana(parameters, std::clamp(o.triangles / 1e5, 0.002, 64.0));
+    constexpr double finest = 60;
+    const bool quartered = o.triangles > finest * 1e5;
+    const KatanaMesh katana = make_katana(
+        parameters, std::clamp(o.triangles / 1e5 * (quartered ? 0.25 : 1), 0.002, finest));
     scan.truth = measure_katana(katana, parameters);
     // The mesh's rows are too far apart to tell where the mune is deepest.
     const MuneLine mune = KatanaShape(parameters).mune_line();
@@ -274,6 +307,7 @@ ScanMesh simulate_scan_mesh(const KatanaParameters& parameters, const ScanMeshOp
                      static_cast<std::uint32_t>(katana.corner_vertex[c + 1]), katana.face_part[f]);
         }
     }
+    if (quartered) soup.quarter();
     const double cell_mm = std::sqrt(1.4e5 / std::max(1000.0, o.triangles));
     if (o.habaki) add_habaki(soup, KatanaShape(parameters), cell_mm);
     if (o.stand) {
