@@ -320,23 +320,42 @@ SimplifiedMesh joined(const TriangleMesh& mesh, const std::vector<SimplifiedMesh
     return out;
 }
 
-/// Vertices at an edge sharper than a right angle, where quadrics tell too little.
+/// Vertices near an edge sharper than a right angle, where quadrics tell too little: where the
+/// triangles within a fraction of a millimetre face so many ways that their normals cancel. Single
+/// triangles of a dense scan do that by noise alone.
 std::vector<std::uint8_t> at_sharp_edges(const TriangleMesh& mesh) {
-    std::vector<glm::vec3> normal(mesh.positions.size(), glm::vec3(0));
-    const auto of = [&](const Triangle& t) {
+    constexpr float finest_mm = 0.4F;
+    constexpr float least_share = 0.55F;
+    double length = 0;
+    for (const Triangle& t : mesh.triangles)
+        length += double(glm::distance(mesh.positions[t[0]], mesh.positions[t[1]]));
+    const float cell = std::max(
+        finest_mm, 3 * static_cast<float>(length) / static_cast<float>(mesh.triangles.size()));
+    const auto key = [&](const glm::vec3& p) {
+        const glm::vec3 q = glm::floor(p / cell);
+        const auto bits = [](float v) {
+            return static_cast<std::uint64_t>(static_cast<std::int64_t>(v) + (1 << 20)) & 0x1fffffU;
+        };
+        return bits(q.x) | bits(q.y) << 21U | bits(q.z) << 42U;
+    };
+    struct Facing {
+        glm::vec3 sum{0};
+        float area = 0;
+    };
+    std::unordered_map<std::uint64_t, Facing> cells;
+    for (const Triangle& t : mesh.triangles) {
         const glm::vec3 n = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
                                        mesh.positions[t[2]] - mesh.positions[t[0]]);
-        return n / std::max(glm::length(n), 1e-30F);
-    };
-    for (const Triangle& t : mesh.triangles) {
-        for (const std::uint32_t v : t) normal[v] += of(t);
+        Facing& facing = cells[key(mesh.positions[t[0]])];
+        facing.sum += n;
+        facing.area += glm::length(n);
     }
     std::vector<std::uint8_t> sharp(mesh.positions.size(), 0);
-    for (const Triangle& t : mesh.triangles) {
-        const glm::vec3 n = of(t);
-        for (const std::uint32_t v : t) {
-            if (glm::dot(n, normal[v]) < 0.6F * glm::length(normal[v])) sharp[v] = 1;
-        }
+    for (std::size_t v = 0; v < sharp.size(); ++v) {
+        const auto found = cells.find(key(mesh.positions[v]));
+        if (found == cells.end()) continue;
+        const Facing& facing = found->second;
+        if (glm::length(facing.sum) < least_share * facing.area) sharp[v] = 1;
     }
     return sharp;
 }
@@ -353,6 +372,8 @@ struct Stretch {
 /// left as they are, few attempts.
 SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& options, double shift,
                             bool rough) {
+    constexpr std::size_t very_many = 3'000'000;
+    const bool unmeasured = rough && mesh.triangles.size() > very_many;
     const std::size_t count =
         std::max<std::size_t>(1, mesh.triangles.size() / options.stretch_triangles);
     glm::vec3 low(mesh.positions[0]), high(low);
@@ -421,7 +442,10 @@ SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& opt
         here.part = own.part;
         here.attributes = own.attributes;
         here.at_least = options.at_least / members.size();
-        done[begin] = within_bound(own.mesh, here, rough ? 2 : 8);
+        // Most of a very dense scan's triangles go without a measured distance, within half of the
+        // bound by the library's estimate; what is left is held to it.
+        done[begin] = unmeasured ? once(own.mesh, here, options.error_mm)
+                                 : within_bound(own.mesh, here, rough ? 2 : 8);
         for (std::uint32_t& v : done[begin].source_vertex) v = own.source[v];
         done[begin].mesh.positions = {};
     });
