@@ -320,10 +320,30 @@ SimplifiedMesh joined(const TriangleMesh& mesh, const std::vector<SimplifiedMesh
     return out;
 }
 
-/// Vertices near an edge sharper than a right angle, where quadrics tell too little: where the
-/// triangles within a fraction of a millimetre face so many ways that their normals cancel. Single
-/// triangles of a dense scan do that by noise alone.
+/// Vertices at an edge sharper than a right angle, where quadrics tell too little.
 std::vector<std::uint8_t> at_sharp_edges(const TriangleMesh& mesh) {
+    std::vector<glm::vec3> normal(mesh.positions.size(), glm::vec3(0));
+    const auto of = [&](const Triangle& t) {
+        const glm::vec3 n = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                       mesh.positions[t[2]] - mesh.positions[t[0]]);
+        return n / std::max(glm::length(n), 1e-30F);
+    };
+    for (const Triangle& t : mesh.triangles) {
+        for (const std::uint32_t v : t) normal[v] += of(t);
+    }
+    std::vector<std::uint8_t> sharp(mesh.positions.size(), 0);
+    for (const Triangle& t : mesh.triangles) {
+        const glm::vec3 n = of(t);
+        for (const std::uint32_t v : t) {
+            if (glm::dot(n, normal[v]) < 0.6F * glm::length(normal[v])) sharp[v] = 1;
+        }
+    }
+    return sharp;
+}
+
+/// The same of a very dense scan, whose single triangles face any way by noise alone: where the
+/// normals within a fraction of a millimetre cancel.
+std::vector<std::uint8_t> near_sharp_edges(const TriangleMesh& mesh) {
     constexpr float finest_mm = 0.4F;
     constexpr float least_share = 0.55F;
     double length = 0;
@@ -434,7 +454,7 @@ SimplifiedMesh in_stretches(const TriangleMesh& mesh, const SimplifyOptions& opt
         members[begin] = {};
         if (own.mesh.triangles.empty()) return;
         if (rough) {
-            const auto sharp = at_sharp_edges(own.mesh);
+            const auto sharp = unmeasured ? near_sharp_edges(own.mesh) : at_sharp_edges(own.mesh);
             for (std::size_t v = 0; v < sharp.size(); ++v) own.locked[v] |= sharp[v];
         }
         SimplifyOptions here = options;
