@@ -338,7 +338,7 @@ void add_scan_command(CLI::App& app, const Common& common) {
         ->delimiter(',');
     command
         ->add_option("--error", o->import.prepare.error_mm,
-                     "mm between the lighter mesh and the scan; 0: 0.05, or 5 times its noise")
+                     "mm between the lighter mesh and the scan; 0: 0.05, or 8 times its noise")
         ->capture_default_str();
     command
         ->add_option(

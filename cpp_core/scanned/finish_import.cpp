@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t most_aside = 15;  // more are one piece together
 constexpr double speck_mm = 3;          // so are those that are no larger
 constexpr double usual_error_mm = 0.05;
-constexpr double error_over_noise = 5;
+constexpr double error_over_noise = 8;
 constexpr double painted_within_mm = 0.5;  // of what was painted, for a face to be of its part
 
 void count(RecordStep& step, const char* name, std::size_t number) {

@@ -29,7 +29,7 @@ struct ImportOptions {
     double mm_per_unit = 0;        ///< 0: guessed from the length
     double close_holes_mm = 0;     ///< holes whose border is no longer are closed
     ScanAnalysisOptions analysis;  ///< with the user's corrections of the pose
-    /// error_mm 0: 0.05, or five times the scan's noise where that is more.
+    /// error_mm 0: 0.05, or eight times the scan's noise where that is more.
     PrepareOptions prepare = [] {
         PrepareOptions automatic;
         automatic.error_mm = 0;

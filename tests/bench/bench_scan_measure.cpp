@@ -1,7 +1,8 @@
 // How well scans are measured: simulated scans of known blades. scan_measure.py runs it and reads
 // one JSON object per scan.
 //   bench_scan_measure SHAPE TRIANGLES NOISE_MM SEED UNIT_MM SAMPLES REPLICATES [habaki] [no_tang]
-//                      [stand] [holes]
+//                      [stand] [holes] [write=FILE.ply]
+// With write= the scan is only made and written.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -9,8 +10,10 @@
 #include <exception>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "mesh/unit_guess.hpp"
+#include "mesh_file/write_ply.hpp"
 #include "scanned/label_parts.hpp"
 #include "scanned/scan_analysis.hpp"
 #include "simulate_scan_mesh.hpp"
@@ -25,14 +28,16 @@ double area(const TriangleMesh& mesh, const Triangle& t) {
                                         glm::dvec3(mesh.positions[t[2]]) - a));
 }
 
-void print(const ScanMesh& scan, const ScanAnalysis& found, double label_share, double seconds) {
+void print(const ScanMesh& scan, const ScanAnalysis& found, double label_share, double seconds,
+           bool unit_asked) {
     const bool faces = glm::dot(glm::transpose(found.pose.rotation)[1], scan.rotation[1]) > 0.99;
     const bool ahead = glm::dot(glm::transpose(found.pose.rotation)[0], scan.rotation[0]) > 0.99;
     std::printf(
         "{\"verdict\": \"%s\", \"sides_right\": %s, \"label_share\": %.6f, \"noise_mm\": %.5f, "
-        "\"triangles\": %zu, \"seconds\": %.3f, \"measures\": {",
+        "\"triangles\": %zu, \"seconds\": %.3f, \"unit_asked\": %s, \"measures\": {",
         std::string(verdict_name(found.verdict)).c_str(), faces && ahead ? "true" : "false",
-        label_share, found.noise_mm, scan.mesh.triangles.size(), seconds);
+        label_share, found.noise_mm, scan.mesh.triangles.size(), seconds,
+        unit_asked ? "true" : "false");
     const char* comma = "";
     for (const ScanMeasure& m : found.measures) {
         const auto truth = scan.truth.find(m.name);
@@ -58,6 +63,12 @@ int run(int count, char** words) {
     options.stand = with.contains("stand");
     options.edge_holes = with.contains("holes") ? 4 : 0;
     ScanMesh scan = simulate_scan_mesh(scan_shape(shape), options);
+    constexpr std::string_view write = "write=";
+    for (const std::string& word : with) {
+        if (!word.starts_with(write)) continue;
+        write_ply(word.substr(write.size()), scan.mesh);
+        return 0;
+    }
 
     ScanAnalysisOptions how;
     how.samples = std::atof(words[6]);
@@ -65,7 +76,10 @@ int run(int count, char** words) {
     const auto begin = std::chrono::steady_clock::now();
     // The unit by the largest piece, whatever way it lies.
     const MeshPiece largest = find_pieces(scan.mesh).pieces.at(0);
-    const double mm = millimetres_in(guess_unit(glm::distance(largest.low, largest.high)).unit);
+    const double extent = glm::distance(largest.low, largest.high);
+    const UnitGuess guess = guess_unit(extent, 0.5 * largest.area_mm2 / extent);
+    // Where two units are plausible the user is asked, and knows.
+    const double mm = guess.ambiguous ? options.mm_per_unit : millimetres_in(guess.unit);
     scan.mesh.origin *= mm;
     for (glm::vec3& p : scan.mesh.positions) p *= static_cast<float>(mm);
     const MeshPieces pieces = find_pieces(scan.mesh);
@@ -84,7 +98,7 @@ int run(int count, char** words) {
         }
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-    print(scan, found, all > 0 ? right / all : 0, seconds.count());
+    print(scan, found, all > 0 ? right / all : 0, seconds.count(), guess.ambiguous);
     return 0;
 }
 

@@ -10,7 +10,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from bench_rows import Measurement, ResultsError, Row, bench_program, command_line, write_measurement
+from bench_rows import (
+    Measurement,
+    ResultsError,
+    Row,
+    bench_program,
+    command_line,
+    write_measurement,
+)
 
 PROGRAM = (
     Path(__file__).resolve().parents[2]
@@ -105,6 +112,7 @@ def accuracy_rows(seed: int, quick: bool) -> list[Row]:
     shares: list[float] = []
     sides: list[bool] = []
     yokote_invented = 0
+    units_asked: list[bool] = []
     sizes = (1e5,) if quick else (1e6,)
     shapes = SHAPES[:2] if quick else SHAPES
     for noise_mm in (0.02, 0.1):
@@ -122,9 +130,7 @@ def accuracy_rows(seed: int, quick: bool) -> list[Row]:
                 for k, (parts, unit_mm) in enumerate(VARIANTS)
             ]
             if noise_mm == 0.02 and shape == "katana" and not quick:
-                tasks.append(
-                    {"shape": shape, "triangles": 1e7, "noise_mm": noise_mm, "seed": seed}
-                )
+                tasks.append({"shape": shape, "triangles": 1e7, "noise_mm": noise_mm, "seed": seed})
             found = in_turn(tasks)
             how = (
                 f"{noise_mm} mm noise, a million triangles{' and one of ten' if len(tasks) > len(VARIANTS) else ''}, "
@@ -133,6 +139,7 @@ def accuracy_rows(seed: int, quick: bool) -> list[Row]:
             suffix = "" if noise_mm == 0.02 else "noise_0.1."
             rows += dimension_rows(shape, found, suffix, how, noise_mm == 0.02)
             sides += [one["sides_right"] for one in found]
+            units_asked += [one["unit_asked"] for one in found]
             if noise_mm == 0.02:
                 shares += [one["label_share"] for one in found]
             if shape in NO_YOKOTE:
@@ -165,6 +172,14 @@ def accuracy_rows(seed: int, quick: bool) -> list[Row]:
             yokote_invented,
             "",
             how="of the 20 scans of blades without a yokote, both noises",
+        )
+    )
+    rows.append(
+        Row(
+            "scan.unit_asked_share",
+            100 * sum(units_asked) / len(units_asked),
+            "%",
+            how="scans for whose length two units are plausible: the user is asked, and the true one was taken",
         )
     )
     return rows
