@@ -18,6 +18,7 @@ _MODULE_NAMES = (
     "measurement",
     "photographs",
     "landmark_marks",
+    "scan_marks",
     "engine",
     "nodes",
     "operators",

@@ -191,11 +191,18 @@ def blade_material(obj: bpy.types.Object | None) -> bpy.types.Material | None:
     return None
 
 
-def is_blade_object(obj: bpy.types.Object | None) -> bool:
-    """Whether this is a mesh of blade steel or a generated blade."""
+def has_recipe(obj: bpy.types.Object | None) -> bool:
+    """Whether a pattern can be laid over it: a generated blade, or a scanned one with its chart."""
     if obj is None or obj.type != "MESH":
         return False
-    return blade_material(obj) is not None or bool(obj.togishi.katana_json)
+    return bool(obj.togishi.katana_json or obj.togishi.frame_json)
+
+
+def is_blade_object(obj: bpy.types.Object | None) -> bool:
+    """Whether this is a mesh of blade steel, a generated or a scanned blade."""
+    if obj is None or obj.type != "MESH":
+        return False
+    return blade_material(obj) is not None or has_recipe(obj)
 
 
 def find_blade(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -216,9 +223,9 @@ def edited_material(context: bpy.types.Context) -> bpy.types.Material | None:
 
 
 def blade_owner(material: bpy.types.Material) -> bpy.types.Object | None:
-    """An object with this material that remembers a generated blade's dimensions."""
+    """An object with this material that has a recipe."""
     for obj in bpy.data.objects:
-        if obj.type == "MESH" and obj.togishi.katana_json:
+        if has_recipe(obj):
             for slot in obj.material_slots:
                 if slot.material == material:
                     return obj

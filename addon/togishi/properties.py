@@ -616,8 +616,31 @@ class TogishiScene(bpy.types.PropertyGroup):
     white: PointerProperty(type=TogishiSpectrum, name="Room's Light")
 
 
+def _kept(name: str, description: str) -> Any:
+    return StringProperty(name=name, description=description, default="", options={"HIDDEN"})
+
+
+class TogishiScan(bpy.types.PropertyGroup):
+    """Where a scanned blade came from and what was found; written by the import, read by panels."""
+
+    filepath: _kept("File", "The scan's file")
+    sha256: _kept("SHA-256", "Of the scan's file when it was imported")
+    report_json: _kept("Found", "Verdict, dimensions and steps of the import, as JSON")
+    options_json: _kept("Options", "How the scan was imported, as JSON")
+    about_json: _kept("About", "Object, holder and rights as they were given, as JSON")
+    record: PointerProperty(type=bpy.types.Text, name="Record")
+    normal_image: PointerProperty(type=bpy.types.Image, name="Normals")
+    displacement_image: PointerProperty(type=bpy.types.Image, name="Displacement")
+    colour_image: PointerProperty(type=bpy.types.Image, name="Colours")
+    show_dimensions: BoolProperty(
+        name="Show Dimensions",
+        description="Draw what was measured over the blade, in views with overlays",
+        default=True,
+    )
+
+
 class TogishiObject(bpy.types.PropertyGroup):
-    """The recipe of a generated blade, so that it can be edited and its maps baked again."""
+    """What a blade is made from: dimensions where it was generated, its chart where it was scanned."""
 
     katana_json: StringProperty(
         name="Dimensions",
@@ -632,6 +655,8 @@ class TogishiObject(bpy.types.PropertyGroup):
         min=0.02,
         max=16.0,
     )
+    frame_json: _kept("Chart", "Outline of a scanned blade in its chart, as JSON")
+    scan: PointerProperty(type=TogishiScan, name="Scan")
 
 
 # --- plain readers ------------------------------------------------------------------------------
@@ -771,6 +796,15 @@ def adapted_white(scene: bpy.types.Scene) -> str:
     return spectrum_spec.spec(_settings(settings.white, scene.library))
 
 
+def blade_recipe(obj: bpy.types.Object) -> dict[str, Any] | None:
+    """What togishi_core.steel_pattern lays a pattern over: dimensions of a generated blade, or a scanned one's
+    chart; None for other objects."""
+    if obj.togishi.frame_json:
+        chart: dict[str, Any] = json.loads(obj.togishi.frame_json)
+        return chart
+    return katana_parameters(obj)
+
+
 def katana_parameters(obj: bpy.types.Object) -> dict[str, Any] | None:
     """Dimensions of a generated blade as togishi_core.katana takes them; None for other objects."""
     text = obj.togishi.katana_json
@@ -788,6 +822,7 @@ CLASSES = (
     TogishiMaterial,
     TogishiSpectrum,
     TogishiScene,
+    TogishiScan,
     TogishiObject,
 )
 

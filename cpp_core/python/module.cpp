@@ -20,6 +20,7 @@ PYBIND11_MODULE(togishi_core, m) {
     togishi::bind_capture_diffuse(m);
     togishi::bind_capture_lights(m);
     togishi::bind_capture_project(m);
+    togishi::bind_scan(m);
     togishi::bind_reference(m);
     togishi::bind_formulas(m);
 }

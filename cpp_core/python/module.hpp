@@ -14,6 +14,7 @@ void bind_plot(pybind11::module_& m);
 void bind_capture_diffuse(pybind11::module_& m);
 void bind_capture_lights(pybind11::module_& m);
 void bind_capture_project(pybind11::module_& m);
+void bind_scan(pybind11::module_& m);
 void bind_reference(pybind11::module_& m);
 void bind_formulas(pybind11::module_& m);
 

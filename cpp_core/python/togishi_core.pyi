@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
 
 __version__: str
 
@@ -435,6 +436,55 @@ def capture_project(
     row first, may be left out), "frame": "surface" or "image"}]. {"maps", "coverage" (H, W; 0: a hole), "on_blade" and
     "holes" texels}. feather_px: over which a photograph fades towards its border; 0: all of it. progress: called with
     the share done; returning False cancels with InterruptedError."""
+
+# --- scanned swords: docs/scan_import.md -----------------------------------------------------------
+
+class ScannedSword:
+    """A scan that was measured. Where it is no whole blade (report["verdict"]["is_blade"]) there is no mesh, and its
+    arrays raise InputError."""
+
+    positions_mm: F64  # (V, 3), blade axes: mune-machi in the origin, tip on +x, back up
+    corner_vertex: I32  # (C,)
+    face_start: I32  # (F + 1,)
+    face_part: NDArray[np.uint8]  # (F,) index into PART_NAMES
+    corner_normal: F32  # (C, 3)
+    corner_tangent: F32  # (C, 4)
+    corner_uv: F32  # (C, 2)
+    s_mm: F32  # (V,)
+    t_mm: F32  # (V,)
+    frame: dict[str, Any]  # {"frame": ...}, as steel_pattern takes it
+    report: dict[str, Any]
+    """verdict {is_blade, kind, text}, unit {mm_per_unit, text}, dimensions [{key, label, value, sigma, unit, inferred,
+    note, points_mm}], mune, zukuri, notes, inferred, pose {rotation, origin_mm}, seconds by step."""
+    maps: dict[
+        str, Any
+    ]  # normal (H, W, 3) unit, displacement_mm (H, W), colour (H, W, 4) where the scan has it
+    painted: I32 | None  # (F,), -1 where nothing was painted
+    aside: list[dict[str, Any]]  # {positions_mm, triangles, text} of pieces that are no blade
+
+    def record(
+        self,
+        about: Mapping[str, str],
+        inputs: list[Mapping[str, Any]],
+        outputs: list[Mapping[str, Any]],
+    ) -> str:
+        """The record as JSON-LD. about: object_id, title, holder, rights, created_utc; files: name, role, sha256,
+        bytes."""
+
+def scan_import(
+    positions: F32,
+    triangles: I32,
+    colours: NDArray[np.uint8] | None,
+    origin: tuple[float, float, float] | F64,
+    options: Mapping[str, Any],
+    *,
+    painted: Mapping[str, Any] | None = None,
+    progress: Callable[[float], bool | None] | None = None,
+) -> ScannedSword:
+    """From a scan's arrays to a blade. positions (V, 3): told from origin, in the file's unit; triangles (F, 3); colours
+    (V, 4) sRGB. options: mm_per_unit (0: by the length), error_mm (0: by the noise), close_holes_mm, texture_px (256 to
+    32768), levels, replicates, swap_ends, swap_edge_and_back. painted: {positions_mm, triangles, part} in the scan's
+    coordinates. progress: called with the share done; returning False cancels (InterruptedError)."""
 
 # --- the shared formulas, for tests -------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from . import (
     blade_material,
     connect_nodes,
     fit_measurement,
+    import_scan,
     landmarks,
     light_preset,
     map_files,
@@ -39,10 +40,12 @@ def register() -> None:
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     add_katana.register()
+    import_scan.register()
 
 
 def unregister() -> None:
     background_job.stop_all()
+    import_scan.unregister()
     add_katana.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -10,15 +10,15 @@ from .modal_job import ModalJob
 from .poll import LINKED, allowed, local
 
 
-def _generated(
+def _patterned(
     context: bpy.types.Context, material: bpy.types.Material | None
 ) -> bpy.types.Object | None:
-    """The generated blade with this material: the one at hand where it has it, for a material may be on several."""
+    """The blade with a recipe and this material: the one at hand where it has it, for a material may be on several."""
     if material is None:
         return None
     blade = blade_object.find_blade(context)
     own = blade is not None and any(slot.material == material for slot in blade.material_slots)
-    if own and blade.togishi.katana_json:
+    if own and blade_object.has_recipe(blade):
         return blade
     return blade_object.blade_owner(material)
 
@@ -38,7 +38,10 @@ class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
         material = blade_object.edited_material(context)
         return allowed(
             cls,
-            (_generated(context, material), "Needs a generated blade with a blade material"),
+            (
+                _patterned(context, material),
+                "Needs a generated or scanned blade with a blade material",
+            ),
             (local(material), LINKED),
             (
                 material is None or not pattern_baking.is_running(material),
@@ -49,9 +52,9 @@ class TOGISHI_OT_pattern_bake(ModalJob, bpy.types.Operator):
     def _targets(self, context: bpy.types.Context) -> tuple[bpy.types.Material, dict[str, object]]:
         material = blade_object.edited_material(context)
         assert material is not None
-        blade = _generated(context, material)
+        blade = _patterned(context, material)
         assert blade is not None
-        parameters = properties.katana_parameters(blade)
+        parameters = properties.blade_recipe(blade)
         assert parameters is not None
         return material, parameters
 

@@ -11,6 +11,7 @@ from . import (
     native_panels,
     photograph_panels,
     render_panels,
+    scan_panels,
     shared_panels,
     view_panels,
 )
@@ -23,6 +24,7 @@ _MODULES = (
     view_panels,
     fit_panels,
     photograph_panels,
+    scan_panels,
 )
 
 
