@@ -26,8 +26,6 @@ sys.path.insert(0, str(REPOSITORY / "addon"))
 
 from togishi.core.shader_source import TABLE_SIZE  # noqa: E402
 
-PROGRAM = REPOSITORY / "build/release/tests/bench/bench_spectral"
-
 WHAT = {
     "reference_1nm": "sum over 471 wavelengths in float",
     "samples_61": "sum over 61 wavelengths in float",
@@ -131,7 +129,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rounds = 5 if options.quick else 101
     try:
         command = [
-            str(bench_program(PROGRAM, "TOGISHI_BENCH_SPECTRAL")),
+            str(bench_program("bench_spectral")),
             str(rounds),
             str(TABLE_SIZE),
         ]

@@ -36,8 +36,18 @@ class ResultsError(ValueError):
     """A file of rows that cannot be believed, with what is wrong in it."""
 
 
-def bench_program(built: Path, variable: str) -> Path:
-    """A measuring program of the release build, or what the environment variable names instead."""
+def bench_program(name: str) -> Path:
+    """A measuring program of the release build, bench_<what>, or what TOGISHI_BENCH_<WHAT> names instead."""
+    return _built(f"tests/bench/{name}", f"TOGISHI_{name.upper()}")
+
+
+def togishi_command() -> Path:
+    """The command line of the release build, or what TOGISHI_CLI names instead."""
+    return _built("cpp_core/cli/togishi", "TOGISHI_CLI")
+
+
+def _built(place: str, variable: str) -> Path:
+    built = Path(__file__).resolve().parents[2] / "build" / "release" / place
     path = Path(os.environ.get(variable, built))
     if not path.is_file():
         raise ResultsError(

@@ -22,13 +22,12 @@ from bench_rows import (
     Measurement,
     ResultsError,
     Row,
-    bench_program,
     command_line,
+    togishi_command,
     write_measurement,
 )
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-PROGRAM = REPOSITORY / "build/release/cpp_core/cli/togishi"
 MATERIAL = REPOSITORY / "data/materials/sashikomi_katana.toml"
 WRONG = 1.12
 LIGHT = 'light = "line:550"'
@@ -39,7 +38,7 @@ strips 3 degrees apart about it."""
 
 
 def togishi(*arguments: object) -> str:
-    program = bench_program(PROGRAM, "TOGISHI_CLI")
+    program = togishi_command()
     done = subprocess.run(
         [str(program), *map(str, arguments)], stdout=subprocess.PIPE, check=True, text=True
     )

@@ -32,14 +32,13 @@ from bench_rows import (
     command_line,
     median_and_spread,
     ratio_and_spread,
+    togishi_command,
     write_measurement,
 )
 from capture_scipy import Rival
 from PIL import Image
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-PROGRAM = REPOSITORY / "build/release/tests/bench/bench_capture"
-COMMAND = REPOSITORY / "build/release/cpp_core/cli/togishi"
 STEPS = ("recovery", "mitsuba", "speed", "effort", "files")
 
 LOOSE = {"mu_p50_pct": 1.2, "mu_p90_pct": 3.5, "rho_p90_deg": 2.5, "normal_p90_deg": 0.2}
@@ -59,7 +58,7 @@ UNITS = {"pct": "%", "deg": "°"}
 
 def bench(*arguments: object, simd: str = "") -> Any:
     done = subprocess.run(
-        [str(bench_program(PROGRAM, "TOGISHI_BENCH_CAPTURE")), *map(str, arguments)],
+        [str(bench_program("bench_capture")), *map(str, arguments)],
         stdout=subprocess.PIPE,
         check=True,
         env={**os.environ, **({"TOGISHI_SIMD": simd} if simd else {})},
@@ -225,7 +224,7 @@ def effort(pixels: int, seed: int) -> tuple[list[Row], str]:
 
 def run_command(*arguments: object) -> tuple[dict[str, Any], float, float]:
     """The report (and the CPU's seconds in it), seconds, and the largest memory in GiB."""
-    command = [str(bench_program(COMMAND, "TOGISHI_CLI")), "--json", *map(str, arguments)]
+    command = [str(togishi_command()), "--json", *map(str, arguments)]
     begin = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None

@@ -41,8 +41,6 @@ from bench_rows import (
 from fit_scipy import Rival
 from PIL import Image
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-PROGRAM = REPOSITORY / "build/release/tests/bench/bench_fit"
 METAL = "iron_johnson_christy"
 STEPS = ("recovery", "mitsuba", "speed", "effort")
 
@@ -91,7 +89,7 @@ NM = (450.0, 550.0, 650.0)
 
 def bench(*arguments: object) -> Any:
     done = subprocess.run(
-        [str(bench_program(PROGRAM, "TOGISHI_BENCH_FIT")), *map(str, arguments)],
+        [str(bench_program("bench_fit")), *map(str, arguments)],
         stdout=subprocess.PIPE,
         check=True,
     )

@@ -29,15 +29,13 @@ from bench_rows import (
 mpl.use("agg")
 from matplotlib import pyplot
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-PROGRAM = REPOSITORY / "build/release/tests/bench/bench_light"
 AT_REST = "16_fine"
 EIGHT = "8_fine"
 
 
 def bench(*arguments: object) -> Any:
     done = subprocess.run(
-        [str(bench_program(PROGRAM, "TOGISHI_BENCH_LIGHT")), *map(str, arguments)],
+        [str(bench_program("bench_light")), *map(str, arguments)],
         stdout=subprocess.PIPE,
         check=True,
     )

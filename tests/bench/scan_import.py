@@ -17,13 +17,9 @@ from bench_rows import (
     Row,
     bench_program,
     command_line,
+    togishi_command,
     write_measurement,
 )
-
-BUILD = Path(__file__).resolve().parents[2] / "build" / "release"
-PREPARE = BUILD / "tests" / "bench" / "bench_scan_prepare"
-SIMULATE = BUILD / "tests" / "bench" / "bench_scan_measure"
-TOGISHI = BUILD / "cpp_core" / "cli" / "togishi"
 
 
 def run(command: list[str]) -> tuple[str, float, float]:
@@ -36,17 +32,16 @@ def run(command: list[str]) -> tuple[str, float, float]:
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
         raise ResultsError(f"{' '.join(command)}: exit code {process.returncode}: {err}")
-    page = 1 if sys.platform == "darwin" else 1024
-    return out, time.monotonic() - start, usage.ru_maxrss * page / 2**30
+    return out, time.monotonic() - start, usage.ru_maxrss / 2**20  # KiB
 
 
 def command_rows(name: str, triangles: float, folder: Path) -> list[Row]:
     file = folder / f"{name}.ply"
-    simulate = str(bench_program(SIMULATE, "TOGISHI_BENCH_SCAN_MEASURE"))
+    simulate = str(bench_program("bench_scan_measure"))
     run(
         [simulate, "katana", f"{triangles:g}", "0.02", "1", "1", "0", "0", "stand", f"write={file}"]
     )
-    togishi = str(bench_program(TOGISHI, "TOGISHI_CLI"))
+    togishi = str(togishi_command())
     _, seconds, peak_gib = run([togishi, "scan", str(file), "--out", str(folder / name)])
     found: dict[str, Any] = json.loads((folder / name / f"{name}.json").read_text())
     how = f"{triangles:g} triangles, 0.02 mm noise, binary PLY in double, all maps and levels written; not in Blender"
@@ -68,7 +63,7 @@ def command_rows(name: str, triangles: float, folder: Path) -> list[Row]:
 
 
 def stretch_rows(triangles: float) -> list[Row]:
-    program = str(bench_program(PREPARE, "TOGISHI_BENCH_SCAN_PREPARE"))
+    program = str(bench_program("bench_scan_prepare"))
     out, _, _ = run([program, "shinogi", f"{triangles:g}", "0.02", "0.16", "1024"])
     found = json.loads(out)
     how = f"finest level of {triangles:g} triangles, 0.02 mm noise, within 0.16 mm"

@@ -7,7 +7,6 @@ import math
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 from bench_rows import (
@@ -19,14 +18,6 @@ from bench_rows import (
     write_measurement,
 )
 
-PROGRAM = (
-    Path(__file__).resolve().parents[2]
-    / "build"
-    / "release"
-    / "tests"
-    / "bench"
-    / "bench_scan_measure"
-)
 SHAPES = ("katana", "long_katana", "o_kissaki", "wakizashi", "shobu", "tanto")
 BOUNDS_MM = {
     "nagasa_mm": 0.3,
@@ -60,7 +51,7 @@ def measure(
     replicates: int = 0,
     parts: tuple[str, ...] = (),
 ) -> dict[str, Any]:
-    program = bench_program(PROGRAM, "TOGISHI_BENCH_SCAN_MEASURE")
+    program = bench_program("bench_scan_measure")
     command = [str(program), shape, f"{triangles:g}", f"{noise_mm:g}", str(seed), f"{unit_mm:g}"]
     command += [str(samples), str(replicates), *parts]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

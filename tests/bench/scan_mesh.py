@@ -20,20 +20,12 @@ from bench_rows import (
     write_measurement,
 )
 
-PROGRAM = (
-    Path(__file__).resolve().parents[2]
-    / "build"
-    / "release"
-    / "tests"
-    / "bench"
-    / "bench_scan_mesh"
-)
 BOUNDS_MM = (0.05, 0.1, 0.2, 0.5)
 NOISE_MM = 0.02
 
 
 def measure(millions: float, bounds_mm: tuple[float, ...], folder: Path) -> dict[str, Any]:
-    program = bench_program(PROGRAM, "TOGISHI_BENCH_SCAN_MESH")
+    program = bench_program("bench_scan_mesh")
     file = folder / f"{millions:g}.ply"
     command = [str(program), str(file), f"{millions:g}", str(NOISE_MM), *map(str, bounds_mm)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
