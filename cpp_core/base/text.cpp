@@ -10,6 +10,17 @@
 
 namespace togishi {
 
+std::string whole_number(double value) {
+    std::array<char, 330> text{};  // the largest double has 309 digits
+    std::snprintf(text.data(), text.size(), "%.0f", value);
+    return text.data();
+}
+
+std::string size_in_mm(double length, double width, double height) {
+    return whole_number(length) + " x " + whole_number(width) + " x " + whole_number(height) +
+           " mm";
+}
+
 std::string_view trim(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
     if (first == std::string_view::npos) return {};

@@ -1,4 +1,5 @@
-// Reading text that somebody else wrote, piece by piece, without trusting any of it.
+// Reading text that somebody else wrote, piece by piece, without trusting any of it; and words for
+// what is told.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -13,6 +14,11 @@ namespace togishi {
 
 /// In quotes, short and printable, for a message.
 [[nodiscard]] std::string shown(std::string_view text);
+
+/// Rounded, for a sentence: "737".
+[[nodiscard]] std::string whole_number(double value);
+/// "737 x 31 x 7 mm".
+[[nodiscard]] std::string size_in_mm(double length, double width, double height);
 
 /// A whole field as a number with a decimal point; infinity and NaN as they are written.
 [[nodiscard]] std::optional<double> parse_number(std::string_view field);

@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
 #include "brdf/model.hpp"
 
@@ -689,10 +690,7 @@ PictureNoise estimate_noise(const std::vector<float>& picture, std::size_t width
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (Level& one : level) {
         if (one.differences.size() < 64) continue;
-        const auto middle =
-            one.differences.begin() + static_cast<std::ptrdiff_t>(one.differences.size() / 2);
-        std::nth_element(one.differences.begin(), middle, one.differences.end());
-        const double sigma = *middle / 0.6745;
+        const double sigma = median(one.differences) / 0.6745;
         const double x = one.sum / static_cast<double>(one.differences.size());
         const double weight = std::sqrt(static_cast<double>(one.differences.size()));
         n += weight;

@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
 #include "brdf/model.hpp"
 
@@ -25,12 +26,6 @@ std::string number(double value, const char* format = "%.2g") {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), format, value);
     return text.data();
-}
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 struct Point {

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "capture/camera_step.hpp"
 #include "capture/camera_surface.hpp"
 
@@ -211,14 +212,10 @@ Matches match(const BladeMesh& mesh, const std::vector<Edge>& edges, const Camer
     std::vector<double> px;
     px.reserve(out.found.size());
     for (const Match& one : out.found) px.push_back(std::abs(one.offset_px));
-    const auto middle = px.begin() + static_cast<std::ptrdiff_t>(px.size() / 2);
-    std::nth_element(px.begin(), middle, px.end());
-    const double scale = std::max(3 * 1.4826 * *middle, 1.0);
+    const double scale = std::max(3 * 1.4826 * median(px), 1.0);
     for (Match& one : out.found)
         one.weight = 1 / (1 + (one.offset_px / scale) * (one.offset_px / scale));
-    const auto p90 = mm.begin() + static_cast<std::ptrdiff_t>(0.9 * (n - 1));
-    std::nth_element(mm.begin(), p90, mm.end());
-    out.p90_mm = *p90;
+    out.p90_mm = quantile(mm, 0.9);
     return out;
 }
 

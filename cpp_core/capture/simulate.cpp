@@ -7,8 +7,8 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/random_normal.hpp"
 #include "brdf/model.hpp"
-#include "scan/random_normal.hpp"
 
 namespace togishi {
 namespace {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
 #include "brdf/model.hpp"
 
@@ -120,12 +121,6 @@ std::array<float, channel_count> channels_of(const PixelResult& r) {
             r.clipped,
             r.rejected,
             static_cast<float>(r.flags)};
-}
-
-float median(std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "capture/diffuse_run.hpp"
 #include "cli/capture_picture.hpp"
 #include "cli/commands.hpp"
@@ -115,12 +116,6 @@ void choose(CaptureSetup& setup, const std::vector<int>& only) {
         chosen.push_back(setup.photographs[static_cast<std::size_t>(number - 1)]);
     }
     setup.photographs = std::move(chosen);
-}
-
-double quantile(std::vector<double> values, double share) {
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + at, values.end());
-    return values[static_cast<std::size_t>(at)];
 }
 
 // Against the truth that `capture simulate` wrote: absolute errors of w, errors of the leading half

@@ -14,6 +14,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "blade/katana_frame.hpp"
 #include "capture/diffuse_setup.hpp"
 #include "capture/light_file.hpp"
@@ -147,14 +148,6 @@ void write_truth(const std::filesystem::path& path, const SurfaceView& view,
     write_float_image(path, image);
 }
 
-// Value under which nearly all pixels lie.
-double bright_value(std::vector<double> values, double share) {
-    if (values.empty()) return 0;
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + at, values.end());
-    return values[static_cast<std::size_t>(at)];
-}
-
 void run(Options o, const Common& common) {
     if (!o.example.empty()) {
         std::cout << capture_setup_to_toml(example_setup(o.example));
@@ -216,7 +209,8 @@ void run(Options o, const Common& common) {
     std::vector<double> bright;
     for (const Shot& shot : shots) {
         radiance.push_back(reference_radiance(view, truth, shot.illumination, radiance_options));
-        bright.push_back(bright_value(radiance.back(), stack ? 0.995 : 0.9995));
+        // The value under which nearly all pixels lie.
+        bright.push_back(quantile(std::vector<double>(radiance.back()), stack ? 0.995 : 0.9995));
         if (show) {
             std::cerr << "\rtogishi capture simulate: " << radiance.size() << " of " << shots.size()
                       << (radiance.size() == shots.size() ? "\n" : "") << std::flush;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <set>
 
+#include "base/order_statistics.hpp"
+
 namespace togishi {
 namespace {
 
@@ -94,9 +96,7 @@ LobeStart lobe_through(const std::vector<Curve>& curves, double axis_rad, bool r
     }
     LobeStart start;
     if (widths.empty()) return start;
-    std::nth_element(widths.begin(),
-                     widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2), widths.end());
-    start.ln_mu_deg = std::log(widths[widths.size() / 2]);
+    start.ln_mu_deg = std::log(median(widths));
     if (round) return start;
     Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();

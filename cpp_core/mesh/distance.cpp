@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
 
 namespace togishi {
@@ -290,10 +291,7 @@ MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b, std::si
     even.insert(even.end(), back.begin() + static_cast<std::ptrdiff_t>(back_even), back.end());
     for (const float x : even) sum += double{x} * x;
     d.rms = std::sqrt(sum / static_cast<double>(even.size()));
-    const auto place =
-        even.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(even.size() - 1));
-    std::nth_element(even.begin(), place, even.end());
-    d.p99 = *place;
+    d.p99 = quantile(even, 0.99);
     return d;
 }
 

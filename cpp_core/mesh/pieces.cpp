@@ -24,9 +24,7 @@ std::vector<Piece> sort_into_pieces(TriangleMesh& mesh) {
     }
     for (const Triangle& t : mesh.triangles) {
         Piece& p = pieces[found.of_vertex[t[0]]];
-        const glm::dvec3 a = mesh.positions[t[0]];
-        p.area += 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[t[1]]) - a,
-                                               glm::dvec3(mesh.positions[t[2]]) - a));
+        p.area += triangle_area(mesh, t);
         ++p.triangle_count;
     }
     std::vector<std::uint32_t> order(pieces.size());

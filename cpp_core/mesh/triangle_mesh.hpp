@@ -26,4 +26,11 @@ struct TriangleMesh {
     }
 };
 
+/// In double: scans' triangles are small against their places.
+[[nodiscard]] inline double triangle_area(const TriangleMesh& mesh, const Triangle& t) {
+    const glm::dvec3 a(mesh.positions[t[0]]);
+    return 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[t[1]]) - a,
+                                        glm::dvec3(mesh.positions[t[2]]) - a));
+}
+
 }  // namespace togishi

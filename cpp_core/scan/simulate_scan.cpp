@@ -8,9 +8,9 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "brdf/model.hpp"
 #include "reference/reference.hpp"
-#include "scan/random_normal.hpp"
 #include "scan/scan_channel.hpp"
 #include "scan/scan_file.hpp"
 

@@ -2,28 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
-#include <optional>
 
+#include "base/order_statistics.hpp"
 #include "scanned/least_squares.hpp"
 #include "scanned/turning_points.hpp"
 
 namespace togishi {
 namespace {
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto k = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), k, values.end());
-    return *k;
-}
-
-double quantile(std::vector<double>& values, double share) {
-    const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + k, values.end());
-    return values[static_cast<std::size_t>(k)];
-}
 
 bool covered(const BladeFit& fit, double s_mm, double half_mm) {
     return std::any_of(fit.fittings_s.begin(), fit.fittings_s.end(), [&](const auto& f) {
@@ -201,8 +186,8 @@ void refit_curve(BladeFit& fit, double length) {
         if (!f.mune || !f.sides) return;
         const glm::dvec3 line = fit.curve.at(f.s_mm);
         const glm::dvec3 top = line + fit.curve.across(f.s_mm) * f.top_d;
-        if (blade) mune.push_back({top.x, top.z, weight, false});
-        middle.push_back({top.x, line.y + f.middle_y, weight, false});
+        if (blade) mune.push_back({top.x, top.z, weight});
+        middle.push_back({top.x, line.y + f.middle_y, weight});
     };
     for (const SectionFit& f : fit.blade) {
         // The last of the mune is too narrow to tell.
@@ -248,7 +233,7 @@ void fit_lines(BladeFit& fit) {
         std::vector<CurveSample> samples;
         for (const SectionFit& f : fit.blade) {
             if (f.s_mm > lines.to_s_mm || !f.sides || !good(f)) continue;
-            samples.push_back({f.s_mm, value(f), f.s_mm > fit.tip_s_mm - 90 ? 0.25 : 1, false});
+            samples.push_back({f.s_mm, value(f), f.s_mm > fit.tip_s_mm - 90 ? 0.25 : 1});
         }
         const double length = lines.to_s_mm - lines.from_s_mm;
         return SmoothCurve::fit(samples, lines.from_s_mm, lines.to_s_mm,
@@ -370,12 +355,12 @@ bool begin_fit(std::span<const ScanPoint> points, const CoarsePose& pose, BladeF
     for (const LengthBin& bin : bins) {
         if (bin.fitting || bin.samples < 12 || bin.x > end - 4) continue;
         if (bin.x < pose.machi_x + (pose.tang ? 4 : 1)) continue;
-        mune.push_back({bin.x, bin.back_z, 1, false});
+        mune.push_back({bin.x, bin.back_z, 1});
     }
     if (mune.size() < 30) return false;
     const std::size_t skip = std::max<std::size_t>(1, points.size() / 20000);
     for (std::size_t i = 0; i < points.size(); i += skip)
-        middle.push_back({points[i].position_mm.x, points[i].position_mm.y, 1, false});
+        middle.push_back({points[i].position_mm.x, points[i].position_mm.y, 1});
     const double blade = end - pose.machi_x;
     fit.curve =
         BladeCurve(SmoothCurve::fit(mune, mune.front().x, end, blade / 5),

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/order_statistics.hpp"
 #include "blade/development.hpp"
 
 namespace togishi {
@@ -24,22 +25,6 @@ constexpr double tip_mm = 4;
 // By how much the chart goes on beyond the tip and the edge line that the cross-sections tell: the
 // scan's own points there keep their lengths too.
 constexpr double overhang_mm = 0.5;
-
-// Each value's neighbours up to `reach` away to both sides, as many on either, by their middle one:
-// a single wrong value moves nothing.
-std::vector<double> running_median(const std::vector<double>& values, std::size_t reach) {
-    std::vector<double> result(values.size());
-    std::vector<double> around;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const std::size_t n = std::min({reach, i, values.size() - 1 - i});
-        around.assign(values.begin() + static_cast<std::ptrdiff_t>(i - n),
-                      values.begin() + static_cast<std::ptrdiff_t>(i + n + 1));
-        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(n);
-        std::nth_element(around.begin(), middle, around.end());
-        result[i] = *middle;
-    }
-    return result;
-}
 
 std::vector<double> running_mean(const std::vector<double>& values, std::size_t reach) {
     std::vector<double> result(values.size());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/order_statistics.hpp"
 #include "scanned/smooth_curve.hpp"
 
 namespace togishi {
@@ -53,13 +54,6 @@ Cloud make_cloud(const TriangleMesh& mesh, const MeshPieces& pieces, std::span<c
         spread += glm::outerProduct(p - cloud.middle, p - cloud.middle);
     cloud.axes = principal_axes(spread);
     return cloud;
-}
-
-double quantile(std::vector<double>& values, double share) {
-    if (values.empty()) return 0;
-    const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + k, values.end());
-    return values[static_cast<std::size_t>(k)];
 }
 
 double range_across(std::vector<double>& y) {
@@ -112,7 +106,7 @@ std::vector<LengthBin> make_bins(const std::vector<glm::dvec3>& points) {
 void find_fittings(std::vector<LengthBin>& bins) {
     std::vector<CurveSample> samples;
     for (const LengthBin& bin : bins) {
-        if (bin.samples >= 4) samples.push_back({bin.x, bin.thickness, 1, false});
+        if (bin.samples >= 4) samples.push_back({bin.x, bin.thickness, 1});
     }
     if (samples.size() < 12) return;
     const double from = samples.front().x;
@@ -243,7 +237,7 @@ std::vector<char> find_body(const TriangleMesh& mesh, const MeshPieces& pieces) 
     double high = -1e300;
     for (const glm::dvec3& p : cloud.points) {
         const glm::dvec3 q = turn * (p - cloud.middle);
-        line.push_back({q.x, q.y, 1, false});
+        line.push_back({q.x, q.y, 1});
         y.push_back(q.z);
         low = std::min(low, q.x);
         high = std::max(high, q.x);

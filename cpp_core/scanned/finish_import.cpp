@@ -1,15 +1,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <unordered_map>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "scanned/import.hpp"
 #include "scanned/label_parts.hpp"
+#include "scanned/taken_triangles.hpp"
 
 namespace togishi {
 namespace {
@@ -24,34 +25,6 @@ void count(RecordStep& step, const char* name, std::size_t number) {
     step.figures.push_back({name, static_cast<double>(number), ""});
 }
 
-glm::vec3 on_blade(const TriangleMesh& mesh, std::uint32_t v, const BladePose& pose) {
-    return {pose.rotation * (mesh.origin + glm::dvec3(mesh.positions[v]) - pose.origin_mm)};
-}
-
-// Some triangles of a mesh with their vertices, in blade coordinates.
-class Taken {
-  public:
-    Taken(const TriangleMesh& from, const BladePose& pose) : from_(from), pose_(pose) {}
-    void add(const Triangle& t) {
-        Triangle own{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto [found, fresh] =
-                place_.try_emplace(t[k], static_cast<std::uint32_t>(mesh.positions.size()));
-            own[k] = found->second;
-            if (!fresh) continue;
-            mesh.positions.push_back(on_blade(from_, t[k], pose_));
-            if (!from_.colours.empty()) mesh.colours.push_back(from_.colours[t[k]]);
-        }
-        mesh.triangles.push_back(own);
-    }
-    TriangleMesh mesh;
-
-  private:
-    const TriangleMesh& from_;
-    const BladePose& pose_;
-    std::unordered_map<std::uint32_t, std::uint32_t> place_;
-};
-
 std::string size_text(const TriangleMesh& mesh) {
     glm::vec3 low(mesh.positions.front());
     glm::vec3 high(low);
@@ -60,9 +33,7 @@ std::string size_text(const TriangleMesh& mesh) {
         high = glm::max(high, p);
     }
     const glm::dvec3 size(high - low);
-    std::array<char, 120> text{};
-    std::snprintf(text.data(), text.size(), "%.0f x %.0f x %.0f mm", size.x, size.y, size.z);
-    return text.data();
+    return size_in_mm(size.x, size.y, size.z);
 }
 
 std::vector<AsidePiece> pieces_aside(const TriangleMesh& mesh, const MeshPieces& pieces,
@@ -81,7 +52,8 @@ std::vector<AsidePiece> pieces_aside(const TriangleMesh& mesh, const MeshPieces&
     for (std::size_t& g : group) {
         if (g == most_aside) g = own;
     }
-    std::vector<Taken> taken(own + (specks > 0 ? 1 : 0), Taken(mesh, analysis.pose));
+    std::vector<TakenTriangles> taken(own + (specks > 0 ? 1 : 0),
+                                      TakenTriangles(mesh, analysis.pose));
     for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
         const std::size_t g = group[pieces.of[f]];
         if (g != of_blade) taken[g].add(mesh.triangles[f]);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 namespace togishi {
 namespace {
@@ -32,14 +32,8 @@ void check(const ImportOptions& options) {
     }
 }
 
-std::string whole(double value) {
-    std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%.0f", value);
-    return text.data();
-}
-
 std::string unit_sentence(const ImportedScan& scan, double extent, bool given) {
-    const std::string length = whole(extent * scan.mm_per_unit) + " mm long.";
+    const std::string length = whole_number(extent * scan.mm_per_unit) + " mm long.";
     if (given) {
         std::string text = "Unit as given: ";
         const auto known = std::find_if(length_units.begin(), length_units.end(), [&](auto unit) {
@@ -56,21 +50,9 @@ std::string unit_sentence(const ImportedScan& scan, double extent, bool given) {
         const UnitCandidate& other = scan.unit.candidates[i];
         if (!other.plausible) continue;
         text += " In " + std::string(name_of(other.unit)) + " it would be " +
-                whole(other.length_mm) + " mm.";
+                whole_number(other.length_mm) + " mm.";
     }
     return text;
-}
-
-// The length of the largest piece: across its box, which is a blade's length in any pose.
-double extent_of(const MeshPieces& pieces) {
-    if (pieces.pieces.empty()) return 0;
-    const MeshPiece& largest = pieces.pieces.front();
-    return glm::length(largest.high - largest.low);
-}
-
-// Its width: a blade's two sides make up most of its area.
-double width_of(const MeshPieces& pieces) {
-    return 0.5 * pieces.pieces.front().area_mm2 / extent_of(pieces);
 }
 
 void scale(TriangleMesh& mesh, MeshPieces& pieces, double mm) {
@@ -140,12 +122,12 @@ ImportedScan import_scan(TriangleMesh scan, const ImportOptions& options,
     clock.end("clean");
     report(after_clean);
     MeshPieces pieces = find_pieces(scan);
-    const double extent = extent_of(pieces);
+    const double extent = pieces.pieces.empty() ? 0 : pieces.pieces.front().extent();
     if (!(extent > 0)) {
         throw InputError("scan", "surface", "none that is left after cleaning",
                          "triangles that have an area");
     }
-    result.unit = guess_unit(extent, width_of(pieces));
+    result.unit = guess_unit(extent, pieces.pieces.front().rough_width());
     const bool given = options.mm_per_unit > 0;
     result.mm_per_unit = given ? options.mm_per_unit : millimetres_in(result.unit.unit);
     result.unit_text = unit_sentence(result, extent, given);

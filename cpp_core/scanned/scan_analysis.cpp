@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
+#include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
+#include "base/random_normal.hpp"
+#include "base/text.hpp"
 #include "scanned/blade_measures.hpp"
 #include "scanned/fit_stations.hpp"
+#include "scanned/taken_triangles.hpp"
 
 namespace togishi {
 namespace {
@@ -19,20 +22,10 @@ constexpr double point_per_mm2 = 10;
 
 // Three numbers of a normal distribution, always the same for one vertex of one replicate.
 glm::dvec3 vertex_noise(std::uint64_t vertex, std::uint64_t replicate) {
-    std::uint64_t state = vertex * 0x9e3779b97f4a7c15U ^ (replicate + 1) * 0xd1b54a32d192ed03U;
-    auto next = [&] {
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15U);
-        z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-        z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-        z ^= z >> 31U;
-        return (static_cast<double>(z >> 11U) + 0.5) * 0x1.0p-53;
-    };
-    constexpr double turn = 6.283185307179586;
-    const double r0 = std::sqrt(-2 * std::log(next()));
-    const double a0 = turn * next();
-    const double r1 = std::sqrt(-2 * std::log(next()));
-    const double a1 = turn * next();
-    return {r0 * std::cos(a0), r0 * std::sin(a0), r1 * std::cos(a1)};
+    RandomNormal random(vertex * 0x9e3779b97f4a7c15U ^ (replicate + 1) * 0xd1b54a32d192ed03U);
+    const double x = random.normal();
+    const double y = random.normal();
+    return {x, y, random.normal()};
 }
 
 struct Samples {
@@ -130,27 +123,12 @@ std::string_view verdict_name(ScanVerdict verdict) {
 
 namespace {
 
-std::string number(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.0f", value);
-    return text.data();
-}
-
-double median_of(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto k = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), k, values.end());
-    return *k;
-}
-
 /// Length, width and thickness of what lies along the rough pose.
 struct Build {
     double length = 0, width = 0, thickness = 0;
     double widest = 0, thickest = 0;  // of single bins
     double longest_gap = 0;
-    [[nodiscard]] std::string text() const {
-        return number(length) + " x " + number(width) + " x " + number(thickness) + " mm";
-    }
+    [[nodiscard]] std::string text() const { return size_in_mm(length, width, thickness); }
 };
 
 Build build_of(const CoarsePose& pose) {
@@ -168,8 +146,8 @@ Build build_of(const CoarsePose& pose) {
         widths.push_back(bin.width());
         thicknesses.push_back(bin.thickness);
     }
-    build.width = median_of(widths);
-    build.thickness = median_of(thicknesses);
+    build.width = median(widths);
+    build.thickness = median(thicknesses);
     return build;
 }
 
@@ -188,24 +166,14 @@ bool is_flat(const Build& build) {
 std::size_t count_other_blades(const TriangleMesh& mesh, const MeshPieces& pieces,
                                const std::vector<char>& body) {
     std::size_t count = 0;
+    const BladePose as_it_lies{glm::dmat3(1), mesh.origin};
     for (std::size_t i = 1; i < std::min<std::size_t>(pieces.pieces.size(), 12); ++i) {
         if (body[i] != 0 || pieces.pieces[i].area_mm2 < 0.15 * pieces.pieces[0].area_mm2) continue;
-        TriangleMesh one;
-        one.origin = mesh.origin;
-        std::vector<std::uint32_t> number_of(mesh.positions.size(), 0xffffffffU);
+        TakenTriangles one(mesh, as_it_lies);
         for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
-            if (pieces.of[f] != i) continue;
-            Triangle t = mesh.triangles[f];
-            for (std::uint32_t& v : t) {
-                if (number_of[v] == 0xffffffffU) {
-                    number_of[v] = static_cast<std::uint32_t>(one.positions.size());
-                    one.positions.push_back(mesh.positions[v]);
-                }
-                v = number_of[v];
-            }
-            one.triangles.push_back(t);
+            if (pieces.of[f] == i) one.add(mesh.triangles[f]);
         }
-        const CoarsePose pose = find_coarse_pose(one, find_pieces(one));
+        const CoarsePose pose = find_coarse_pose(one.mesh, find_pieces(one.mesh));
         const Build build = build_of(pose);
         if (!pose.bins.empty() && has_edge(pose) && is_long(build) && is_flat(build)) ++count;
     }
@@ -239,7 +207,7 @@ bool looks_like_blade(const CoarsePose& pose, const Build& build, ScanAnalysis& 
     if (build.longest_gap > 15 && build.longest_gap > 0.02 * build.length) {
         result.verdict = ScanVerdict::part_of_blade;
         result.text =
-            seen + "For " + number(build.longest_gap) +
+            seen + "For " + whole_number(build.longest_gap) +
             " mm of its length nothing was scanned: is it broken, are these two things in "
             "a row, or is a part of the scan missing?";
         return false;
@@ -247,7 +215,7 @@ bool looks_like_blade(const CoarsePose& pose, const Build& build, ScanAnalysis& 
     if (build.widest > 1.9 * build.width || build.thickest > 3 * build.thickness + 6) {
         result.verdict = ScanVerdict::mounted;
         result.text =
-            seen + "In one place it is " + number(std::max(build.widest, build.thickest)) +
+            seen + "In one place it is " + whole_number(std::max(build.widest, build.thickest)) +
             " mm across: a guard or a hilt? Only a bare blade can be measured; take the mounting "
             "off, or cut it off the mesh.";
         return false;

@@ -9,7 +9,6 @@ struct CurveSample {
     double x = 0;
     double value = 0;
     double weight = 1;
-    bool behind_step = false;  ///< the step (SmoothCurve::step) is added to the curve here
 };
 
 class SmoothCurve {
@@ -23,16 +22,13 @@ class SmoothCurve {
 
     [[nodiscard]] double at(double x) const;
     [[nodiscard]] double slope(double x) const;
-    [[nodiscard]] double bend(double x) const;  ///< second derivative
-    /// What the samples behind the step lie off the curve; 0 where there are none.
-    [[nodiscard]] double step() const { return step_; }
+    [[nodiscard]] double bend(double x) const;                   ///< second derivative
     [[nodiscard]] double residual() const { return residual_; }  ///< rms over the kept samples
 
   private:
     double from_ = 0;
     double piece_ = 1;
     std::vector<double> coefficient_{0, 0, 0, 0};
-    double step_ = 0;
     double residual_ = 0;
 };
 

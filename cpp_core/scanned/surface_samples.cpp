@@ -4,24 +4,15 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/random_normal.hpp"
 #include "mesh/components.hpp"
 
 namespace togishi {
 namespace {
 
-double area(const TriangleMesh& mesh, const Triangle& t) {
-    const glm::dvec3 a(mesh.positions[t[0]]);
-    return 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[t[1]]) - a,
-                                        glm::dvec3(mesh.positions[t[2]]) - a));
-}
-
 // Of a triangle's number, even in [0, 1).
 double dither(std::uint64_t i) {
-    std::uint64_t z = (i + 1) * 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    z ^= z >> 31U;
-    return static_cast<double>(z >> 11U) * 0x1.0p-53;
+    return RandomNormal(i * 0x9e3779b97f4a7c15U).uniform();
 }
 
 }  // namespace
@@ -42,7 +33,7 @@ MeshPieces find_pieces(const TriangleMesh& mesh) {
         }
         MeshPiece& piece = result.pieces[number[r]];
         result.of[f] = number[r];
-        piece.area_mm2 += area(mesh, t);
+        piece.area_mm2 += triangle_area(mesh, t);
         ++piece.triangles;
         for (const std::uint32_t v : t) {
             piece.low = glm::min(piece.low, glm::dvec3(mesh.positions[v]));
@@ -77,7 +68,7 @@ std::vector<SurfaceSample> sample_surface(
             (glm::dvec3(mesh.positions[t[0]]) + glm::dvec3(mesh.positions[t[1]]) +
              glm::dvec3(mesh.positions[t[2]])) /
             3.0;
-        const auto n = static_cast<int>(area(mesh, t) * per_mm2(middle) + dither(f));
+        const auto n = static_cast<int>(triangle_area(mesh, t) * per_mm2(middle) + dither(f));
         const auto triangle = static_cast<std::uint32_t>(f);
         if (n == 1) {
             samples.push_back({triangle, {1.0F / 3, 1.0F / 3}});

@@ -21,6 +21,11 @@ struct MeshPiece {
     double area_mm2 = 0;
     glm::dvec3 low{}, high{};  ///< bounding box, as TriangleMesh::positions
     std::size_t triangles = 0;
+
+    /// From corner to corner of its box: a blade's length in any pose.
+    [[nodiscard]] double extent() const { return glm::distance(low, high); }
+    /// Its width if it is a blade, whose two sides make up most of the area.
+    [[nodiscard]] double rough_width() const { return 0.5 * area_mm2 / extent(); }
 };
 struct MeshPieces {
     std::vector<MeshPiece> pieces;  ///< largest area first

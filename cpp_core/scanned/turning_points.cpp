@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/order_statistics.hpp"
 #include "scanned/least_squares.hpp"
 
 namespace togishi {
@@ -67,9 +68,7 @@ double noise_of(const std::vector<double>& values) {
         const double bend = values[i - 2] - 2 * values[i - 1] + values[i];
         squares.push_back(bend * bend);
     }
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    return std::max(1e-6, 1.4826 * std::sqrt(*middle / 6));
+    return std::max(1e-6, 1.4826 * std::sqrt(median(squares) / 6));
 }
 
 // Without those that lie far from the middle one of their neighbours.
@@ -77,14 +76,9 @@ void drop_strays(std::vector<double>& s, std::array<std::vector<double>, 2>& val
     std::vector<char> keep(s.size(), 1);
     for (const std::vector<double>& y : value) {
         const double limit = 5 * noise_of(y);
-        std::vector<double> around;
+        const std::vector<double> middle = running_median(y, 3);
         for (std::size_t i = 0; i < y.size(); ++i) {
-            const std::size_t n = std::min({std::size_t{3}, i, y.size() - 1 - i});
-            around.assign(y.begin() + static_cast<std::ptrdiff_t>(i - n),
-                          y.begin() + static_cast<std::ptrdiff_t>(i + n + 1));
-            std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(n),
-                             around.end());
-            if (std::abs(y[i] - around[n]) > limit) keep[i] = 0;
+            if (std::abs(y[i] - middle[i]) > limit) keep[i] = 0;
         }
     }
     std::size_t n = 0;

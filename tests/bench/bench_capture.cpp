@@ -28,12 +28,12 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/random_normal.hpp"
 #include "brdf/model.hpp"
 #include "capture/light_stack.hpp"
 #include "capture/pixel_result.hpp"
 #include "capture/self_calibration.hpp"
 #include "reference/reference.hpp"
-#include "scan/random_normal.hpp"
 
 namespace {
 

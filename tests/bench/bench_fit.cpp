@@ -27,8 +27,8 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/random_normal.hpp"
 #include "fit/fit.hpp"
-#include "scan/random_normal.hpp"
 #include "scan/simulate_scan.hpp"
 
 namespace {

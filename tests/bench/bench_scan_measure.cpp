@@ -22,12 +22,6 @@ namespace {
 
 using namespace togishi;
 
-double area(const TriangleMesh& mesh, const Triangle& t) {
-    const glm::dvec3 a(mesh.positions[t[0]]);
-    return 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[t[1]]) - a,
-                                        glm::dvec3(mesh.positions[t[2]]) - a));
-}
-
 void print(const ScanMesh& scan, const ScanAnalysis& found, double label_share, double seconds,
            bool unit_asked) {
     const bool faces = glm::dot(glm::transpose(found.pose.rotation)[1], scan.rotation[1]) > 0.99;
@@ -76,8 +70,7 @@ int run(int count, char** words) {
     const auto begin = std::chrono::steady_clock::now();
     // The unit by the largest piece, whatever way it lies.
     const MeshPiece largest = find_pieces(scan.mesh).pieces.at(0);
-    const double extent = glm::distance(largest.low, largest.high);
-    const UnitGuess guess = guess_unit(extent, 0.5 * largest.area_mm2 / extent);
+    const UnitGuess guess = guess_unit(largest.extent(), largest.rough_width());
     // Where two units are plausible the user is asked, and knows.
     const double mm = guess.ambiguous ? options.mm_per_unit : millimetres_in(guess.unit);
     scan.mesh.origin *= mm;
@@ -92,7 +85,7 @@ int run(int count, char** words) {
         const std::vector<Part> part =
             label_parts(scan.mesh, pieces, found, ScannedChart(found.stations, chart));
         for (std::size_t f = 0; f < part.size(); ++f) {
-            const double here = area(scan.mesh, scan.mesh.triangles[f]);
+            const double here = triangle_area(scan.mesh, scan.mesh.triangles[f]);
             all += here;
             if (part[f] == scan.part[f]) right += here;
         }

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "capture/camera_pose.hpp"
 #include "capture/camera_surface.hpp"
 #include "capture/silhouette.hpp"
 #include "capture/simulate.hpp"
-#include "scan/random_normal.hpp"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "capture/diffuse.hpp"
 #include "capture/simulate.hpp"
-#include "scan/random_normal.hpp"
 
 namespace {
 

@@ -10,11 +10,11 @@
 #include <Eigen/Core>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "brdf/model.hpp"
 #include "capture/light_stack.hpp"
 #include "capture/pixel_result.hpp"
 #include "capture/self_calibration.hpp"
-#include "scan/random_normal.hpp"
 
 namespace togishi {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "brdf/model.hpp"
 #include "capture/light_stack.hpp"
 #include "capture/tile_run.hpp"
-#include "scan/random_normal.hpp"
 
 namespace togishi {
 namespace {

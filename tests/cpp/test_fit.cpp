@@ -5,9 +5,9 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "fit/fit.hpp"
 #include "fit/unseen_tilt.hpp"
-#include "scan/random_normal.hpp"
 #include "scan/scan_file.hpp"
 #include "scan/simulate_scan.hpp"
 

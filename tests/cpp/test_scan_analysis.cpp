@@ -117,10 +117,7 @@ TEST(ScanAnalysis, PartsAreLabelledOverTheHabakiToo) {
     double good = 0;
     double all = 0;
     for (std::size_t f = 0; f < part.size(); ++f) {
-        const Triangle& t = scan.mesh.triangles[f];
-        const glm::dvec3 a(scan.mesh.positions[t[0]]);
-        const double area = glm::length(glm::cross(glm::dvec3(scan.mesh.positions[t[1]]) - a,
-                                                   glm::dvec3(scan.mesh.positions[t[2]]) - a));
+        const double area = triangle_area(scan.mesh, scan.mesh.triangles[f]);
         all += area;
         if (part[f] == scan.part[f]) good += area;
     }

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/random_normal.hpp"
 #include "blade/katana_frame.hpp"
-#include "scan/random_normal.hpp"
 
 namespace togishi {
 namespace {
