@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "blade/katana_file.hpp"
 #include "blade/katana_mesh.hpp"
+#include "python/blade_mesh_views.hpp"
 #include "python/blade_parameters.hpp"
 #include "python/module.hpp"
 #include "spectral/embedded_data.hpp"
@@ -58,41 +59,17 @@ py::dict to_python(const KatanaParameters& p) {
     return result;
 }
 
-// A read-only view of a vector inside the Katana; the array keeps the Katana alive.
-template <typename Scalar, typename Element>
-py::array view(const py::object& owner, const std::vector<Element>& data) {
-    constexpr std::size_t columns = sizeof(Element) / sizeof(Scalar);
-    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(data.size())};
-    if (columns > 1) shape.push_back(columns);
-    py::array array(py::dtype::of<Scalar>(), shape, reinterpret_cast<const Scalar*>(data.data()),
-                    owner);
-    array.attr("setflags")(py::arg("write") = false);
-    return array;
-}
-
-template <typename Scalar, typename Member>
-auto viewer(Member BladeMesh::*member) {
-    return [member](const py::object& self) {
-        return view<Scalar>(self, self.cast<const Katana&>().mesh.*member);
-    };
-}
-
 }  // namespace
 
 void bind_blade(py::module_& m) {
-    py::class_<Katana, std::shared_ptr<Katana>>(
+    py::class_<Katana, std::shared_ptr<Katana>> katana(
         m, "Katana",
         "A generated blade. Positions in mm: +X to the tip, +Z towards the mune (back), +Y to "
-        "omote's outside.")
-        .def_property_readonly("positions_mm", viewer<double>(&BladeMesh::positions_mm))
-        .def_property_readonly("corner_vertex", viewer<std::int32_t>(&BladeMesh::corner_vertex))
-        .def_property_readonly("face_start", viewer<std::int32_t>(&BladeMesh::face_start))
-        .def_property_readonly("face_part", viewer<std::uint8_t>(&BladeMesh::face_part))
-        .def_property_readonly("corner_normal", viewer<float>(&BladeMesh::corner_normal))
-        .def_property_readonly("corner_tangent", viewer<float>(&BladeMesh::corner_tangent))
-        .def_property_readonly("corner_uv", viewer<float>(&BladeMesh::corner_uv))
-        .def_property_readonly("s_mm", viewer<float>(&BladeMesh::s_mm))
-        .def_property_readonly("t_mm", viewer<float>(&BladeMesh::t_mm))
+        "omote's outside.");
+    bind_blade_arrays(katana, [](const py::object& self) -> const BladeMesh& {
+        return self.cast<const Katana&>().mesh;
+    });
+    katana
         .def_property_readonly("chart_mm",
                                [](const Katana& k) {
                                    return py::make_tuple(k.mesh.frame.length_mm(),

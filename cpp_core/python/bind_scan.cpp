@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "python/blade_mesh_views.hpp"
 #include "python/blade_parameters.hpp"
 #include "python/module.hpp"
 #include "scanned/import.hpp"
@@ -77,6 +79,13 @@ ImportOptions options_from(const py::dict& values, const py::object& painted) {
     for (const auto& [key, value] : values) {
         const auto name = py::cast<std::string>(py::str(key));
         const auto number = [&, &v = value] { return py::cast<double>(v); };
+        const auto count = [&](double least, double most) {
+            const double n = number();
+            if (!(n >= least && n <= most))
+                throw InputError("options", name, std::to_string(n),
+                                 whole_number(least) + " to " + whole_number(most));
+            return static_cast<std::size_t>(n);
+        };
         if (name == "mm_per_unit") {
             o.mm_per_unit = number();
         } else if (name == "error_mm") {
@@ -84,17 +93,11 @@ ImportOptions options_from(const py::dict& values, const py::object& painted) {
         } else if (name == "close_holes_mm") {
             o.close_holes_mm = number();
         } else if (name == "texture_px") {
-            const double width = number();
-            if (!(width >= 256 && width <= 32768))
-                throw InputError("options", "texture_px", std::to_string(width), "256 to 32768");
-            o.prepare.detail.width = static_cast<std::size_t>(width);
+            o.prepare.detail.width = count(256, 32768);
         } else if (name == "levels") {
-            o.prepare.levels = static_cast<std::size_t>(std::max(number(), 0.0));
+            o.prepare.levels = count(1, 6);
         } else if (name == "replicates") {
-            const double replicates = number();
-            if (!(replicates >= 0 && replicates <= 1000))
-                throw InputError("options", "replicates", std::to_string(replicates), "0 to 1000");
-            o.analysis.replicates = static_cast<int>(replicates);
+            o.analysis.replicates = static_cast<int>(count(0, 1000));
         } else if (name == "swap_ends") {
             o.analysis.correction.swap_ends = py::cast<bool>(value);
         } else if (name == "swap_edge_and_back") {
@@ -103,7 +106,7 @@ ImportOptions options_from(const py::dict& values, const py::object& painted) {
             throw InputError(
                 "options", "key", name,
                 "mm_per_unit, error_mm, close_holes_mm, texture_px, levels, replicates, "
-                "swap_edge_and_back");
+                "swap_ends, swap_edge_and_back");
         }
     }
     if (!painted.is_none()) {
@@ -116,29 +119,11 @@ ImportOptions options_from(const py::dict& values, const py::object& painted) {
     return o;
 }
 
-// A read-only view of a vector inside the scan; the array keeps the scan alive.
-template <typename Scalar, typename Element>
-py::array view(const py::object& owner, const std::vector<Element>& data,
-               std::vector<py::ssize_t> shape = {}) {
-    constexpr std::size_t columns = sizeof(Element) / sizeof(Scalar);
-    if (shape.empty()) shape = {static_cast<py::ssize_t>(data.size())};
-    if constexpr (columns > 1) shape.push_back(columns);
-    py::array array(py::dtype::of<Scalar>(), shape, reinterpret_cast<const Scalar*>(data.data()),
-                    owner);
-    array.attr("setflags")(py::arg("write") = false);
-    return array;
-}
-
 const BladeMesh& finest(const py::object& self) {
     const auto& scan = self.cast<const ImportedScan&>();
     if (scan.blade.levels.empty())
         throw InputError(where, "blade", "none", "a scan that is told to be a blade");
     return scan.blade.levels.front().mesh;
-}
-
-template <typename Scalar, typename Member>
-auto viewer(Member BladeMesh::*member) {
-    return [member](const py::object& self) { return view<Scalar>(self, finest(self).*member); };
 }
 
 std::vector<std::array<double, 3>> points_of(const std::vector<glm::dvec3>& points) {
@@ -251,17 +236,10 @@ std::shared_ptr<ImportedScan> run(const Array<float>& positions,
 }  // namespace
 
 void bind_scan(py::module_& m) {
-    py::class_<ImportedScan, std::shared_ptr<ImportedScan>>(
-        m, "ScannedSword", "A scanned blade; arrays as Katana has them.")
-        .def_property_readonly("positions_mm", viewer<double>(&BladeMesh::positions_mm))
-        .def_property_readonly("corner_vertex", viewer<std::int32_t>(&BladeMesh::corner_vertex))
-        .def_property_readonly("face_start", viewer<std::int32_t>(&BladeMesh::face_start))
-        .def_property_readonly("face_part", viewer<std::uint8_t>(&BladeMesh::face_part))
-        .def_property_readonly("corner_normal", viewer<float>(&BladeMesh::corner_normal))
-        .def_property_readonly("corner_tangent", viewer<float>(&BladeMesh::corner_tangent))
-        .def_property_readonly("corner_uv", viewer<float>(&BladeMesh::corner_uv))
-        .def_property_readonly("s_mm", viewer<float>(&BladeMesh::s_mm))
-        .def_property_readonly("t_mm", viewer<float>(&BladeMesh::t_mm))
+    py::class_<ImportedScan, std::shared_ptr<ImportedScan>> sword(
+        m, "ScannedSword", "A scanned blade; arrays as Katana has them.");
+    bind_blade_arrays(sword, &finest);
+    sword
         .def_property_readonly(
             "frame", [](const py::object& self) { return frame_to_python(finest(self).frame); })
         .def_property_readonly("report", [](const ImportedScan& s) { return report_of(s); })
