@@ -34,8 +34,11 @@ class ScanJob(BackgroundJob):
         scan: ScanArrays,
         options: Mapping[str, Any],
         painted: Mapping[str, Any] | None = None,
+        sha256: str = "",
     ) -> None:
+        """sha256: of the file that it has to be; empty: any."""
         super().__init__()
+        self._sha256 = sha256
         self.path = path
         self.options = dict(options)
         self._painted = painted
@@ -45,6 +48,10 @@ class ScanJob(BackgroundJob):
         scan, self._scan = self._scan, None  # the core may free what it has read
         assert scan is not None
         self.source = scan_report.file_facts(self.path, "scan")
+        if self._sha256 and self.source["sha256"] != self._sha256:
+            raise self._core.InputError(
+                f"{self.path} is not the file any more that this blade came from"
+            )
         return self._core.scan_import(
             scan.positions,
             scan.triangles,

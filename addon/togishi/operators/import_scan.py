@@ -32,6 +32,7 @@ class _ScanWork(ModalJob):
         path: Path,
         options: dict[str, Any],
         painted: dict[str, Any] | None = None,
+        sha256: str = "",
     ) -> set[str]:
         core = native.core()
         try:
@@ -42,7 +43,7 @@ class _ScanWork(ModalJob):
             return {"CANCELLED"}
         finally:
             context.window_manager.progress_end()
-        job = scan_import.ScanJob(path, scan, options, painted)
+        job = scan_import.ScanJob(path, scan, options, painted, sha256)
         if bpy.app.background or context.window is None:
             job.start()
             return self.take(context, job)
@@ -233,18 +234,13 @@ class TOGISHI_OT_scan_correct(_ScanWork, bpy.types.Operator):
         assert obj is not None
         self._uid = obj.session_uid
         path = Path(bpy.path.abspath(obj.togishi.scan.filepath))
-        try:
-            same = scan_report.file_facts(path, "scan")["sha256"] == obj.togishi.scan.sha256
-        except OSError as error:
-            self.report({"ERROR"}, f"The scan was not imported: {error}")
-            return {"CANCELLED"}
-        if not same:
-            self.report(
-                {"ERROR"},
-                f"The scan was not imported: {path} is not the file any more that this blade came from",
-            )
-            return {"CANCELLED"}
-        return self.begin_scan(context, path, self._options(obj), scan_import.painted(obj))
+        return self.begin_scan(
+            context,
+            path,
+            self._options(obj),
+            scan_import.painted(obj),
+            obj.togishi.scan.sha256,
+        )
 
     def take(self, context: bpy.types.Context, job: scan_import.ScanJob) -> set[str]:
         sword = self.found(job)
