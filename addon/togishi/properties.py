@@ -556,6 +556,12 @@ class TogishiScene(bpy.types.PropertyGroup):
         max=64,
         update=_shown,
     )
+    mirror_things: BoolProperty(
+        name="Mirror objects",
+        description="The blade mirrors the stand, the cloth and whatever else is near it. Off saves time",
+        default=True,
+        update=_shown,
+    )
     filter_highlights: BoolProperty(
         name="Filter Highlights",
         description=(

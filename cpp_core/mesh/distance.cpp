@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
+#include "mesh/box_tree.hpp"
 
 namespace togishi {
 namespace {
@@ -50,103 +51,18 @@ Closest closest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, c
     return {a + v * ab + w * ac, {1 - v - w, v, w}};
 }
 
-struct Box {
-    glm::vec3 low{std::numeric_limits<float>::infinity()};
-    glm::vec3 high{-std::numeric_limits<float>::infinity()};
-    void add(const glm::vec3& p) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    [[nodiscard]] float squared(const glm::vec3& p) const {
-        const glm::vec3 d = glm::max(glm::max(low - p, p - high), glm::vec3(0));
-        return glm::dot(d, d);
-    }
-};
+/// From a point to a box, squared.
+float squared_distance(const Box& box, const glm::vec3& p) {
+    const glm::vec3 d = glm::max(glm::max(box.low - p, p - box.high), glm::vec3(0));
+    return glm::dot(d, d);
+}
 
 }  // namespace
 
 struct SurfaceTree::Nodes {
-    /// Leaves hold `order` from first on; inner nodes have their children at first and first + 1.
-    struct Node {
-        Box box;
-        std::uint32_t first = 0;
-        std::uint32_t count = 0;  ///< 0: an inner node
-    };
-    static constexpr std::uint32_t leaf_size = 6;
-
-    explicit Nodes(const TriangleMesh& m) : mesh(m), order(m.triangles.size()) {
-        Box box;
-        const auto middle = [&](const Triangle& c) {
-            return (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0F;
-        };
-        for (const Triangle& c : mesh.triangles) box.add(middle(c));
-        const glm::vec3 size = box.high - box.low;
-        const float scale = 2'097'151.0F / std::max({size.x, size.y, size.z, 1e-30F});
-        // Along a curve that fills space (Morton), so that halves of the row are halves of the
-        // place.
-        struct Place {
-            std::uint64_t code;
-            std::uint32_t triangle;
-        };
-        std::vector<Place> places(order.size());
-        for (std::uint32_t t = 0; t < places.size(); ++t) {
-            const glm::vec3 at = (middle(mesh.triangles[t]) - box.low) * scale;
-            places[t] = {spread(at.x) | spread(at.y) << 1U | spread(at.z) << 2U, t};
-        }
-        std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-            return a.code != b.code ? a.code < b.code : a.triangle < b.triangle;
-        });
-        for (std::size_t i = 0; i < order.size(); ++i) order[i] = places[i].triangle;
-        nodes.reserve(order.size() / 2 + 1);
-        nodes.emplace_back();
-        split(0, 0, static_cast<std::uint32_t>(order.size()));
-        fit(0);
-    }
-
-    /// 21 bits, two places apart.
-    static std::uint64_t spread(float value) {
-        auto x = static_cast<std::uint64_t>(std::clamp(value, 0.0F, 2'097'151.0F));
-        x = (x | x << 32U) & 0x001f00000000ffffULL;
-        x = (x | x << 16U) & 0x001f0000ff0000ffULL;
-        x = (x | x << 8U) & 0x100f00f00f00f00fULL;
-        x = (x | x << 4U) & 0x10c30c30c30c30c3ULL;
-        return (x | x << 2U) & 0x1249249249249249ULL;
-    }
-
-    /// Halves by count; depth is log2 of it.
-    void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
-        if (end - begin <= leaf_size) {
-            nodes[node].first = begin;
-            nodes[node].count = end - begin;
-            return;
-        }
-        const std::uint32_t half = begin + (end - begin) / 2;
-        const auto children = static_cast<std::uint32_t>(nodes.size());
-        nodes[node].first = children;
-        nodes.emplace_back();
-        nodes.emplace_back();
-        split(children, begin, half);
-        split(children + 1, half, end);
-    }
-    void fit(std::uint32_t node) {
-        Node& n = nodes[node];
-        if (n.count > 0) {
-            for (std::uint32_t i = n.first; i < n.first + n.count; ++i) {
-                for (const std::uint32_t v : mesh.triangles[order[i]]) n.box.add(mesh.positions[v]);
-            }
-            return;
-        }
-        fit(n.first);
-        fit(n.first + 1);
-        for (std::uint32_t k = 0; k < 2; ++k) {
-            n.box.add(nodes[n.first + k].box.low);
-            n.box.add(nodes[n.first + k].box.high);
-        }
-    }
-
+    explicit Nodes(const TriangleMesh& m) : mesh(m), tree(box_tree(m, 6)) {}
     const TriangleMesh& mesh;
-    std::vector<std::uint32_t> order;
-    std::vector<Node> nodes;
+    BoxTree tree;
 };
 
 SurfaceTree::SurfaceTree(const TriangleMesh& mesh) {
@@ -159,7 +75,7 @@ SurfaceTree::SurfaceTree(const TriangleMesh& mesh) {
 SurfaceTree::~SurfaceTree() = default;
 
 SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, const Search& search) const {
-    const auto& all = nodes_->nodes;
+    const auto& all = nodes_->tree.nodes;
     const TriangleMesh& mesh = nodes_->mesh;
     Nearest best;
     best.distance = search.within;
@@ -183,19 +99,19 @@ SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, const Search& 
     };
     std::array<Waiting, 72> stack{};  // two a level, 32 levels for 2^32 triangles
     std::size_t depth = 0;
-    stack[depth++] = {0, all[0].box.squared(point)};
+    stack[depth++] = {0, squared_distance(all[0].box, point)};
     while (depth > 0 && least > enough) {
         const Waiting next = stack[--depth];
         if (next.squared >= least) continue;
         const auto& node = all[next.node];
         if (node.count > 0) {
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-                look_at(nodes_->order[i]);
+                look_at(nodes_->tree.order[i]);
             }
             continue;
         }
-        Waiting close{node.first, all[node.first].box.squared(point)};
-        Waiting far{node.first + 1, all[node.first + 1].box.squared(point)};
+        Waiting close{node.first, squared_distance(all[node.first].box, point)};
+        Waiting far{node.first + 1, squared_distance(all[node.first + 1].box, point)};
         if (far.squared < close.squared) std::swap(close, far);
         stack[depth++] = far;
         stack[depth++] = close;

@@ -12,6 +12,7 @@ PYBIND11_MODULE(togishi_core, m) {
     togishi::bind_spectral(m);
     togishi::bind_material(m);
     togishi::bind_bake(m);
+    togishi::bind_trace(m);
     togishi::bind_property_maps(m);
     togishi::bind_blade(m);
     togishi::bind_steel(m);

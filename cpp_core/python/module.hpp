@@ -6,6 +6,7 @@ namespace togishi {
 void bind_spectral(pybind11::module_& m);
 void bind_material(pybind11::module_& m);
 void bind_bake(pybind11::module_& m);
+void bind_trace(pybind11::module_& m);
 void bind_property_maps(pybind11::module_& m);
 void bind_blade(pybind11::module_& m);
 void bind_steel(pybind11::module_& m);

@@ -111,6 +111,12 @@ def pack_mip_atlas(
     levels made by covariance, one texel of border, and (levels, 4) of x, y, width, height of each level in
     the atlas. NaN and infinity in a map are replaced by the nearest valid value and counted in a warning."""
 
+def ray_tree(
+    positions: F32, normals: F32, triangles: NDArray[np.uint32], groups: NDArray[np.uint16]
+) -> tuple[F32, F32]:
+    """A surface as the GPU's rays search it (shaders/shared/trace/ray_tree.glsl): texels of the nodes (2 N, 4) and of the
+    triangles (4 T, 4). positions, normals (V, 3); triangles (T, 3), at most 2^21; groups (T,), 0 to 4095."""
+
 def pack_normal_atlas(
     image: F32,
 ) -> tuple[NDArray[np.float16], NDArray[np.float16], NDArray[np.int32]]:

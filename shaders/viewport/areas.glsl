@@ -17,6 +17,10 @@ struct AreaSeen {
     float radiance;   // of a lamp of RGB 1; 0: not seen
     float nearness;   // 1/distance, of a sun 0
     FlatLight outline;
+#ifdef TG_SHADOWS
+    vec3 start;  // of rays to it
+    int before;  // the casters that these may meet
+#endif
 };
 
 // One lobe of the surface, as everything that follows needs it.
@@ -29,6 +33,10 @@ struct AreaLobe {
     bool at_theta_i; // F's angle: the ji's, else the hamon's
     bool shadowed;  // G/cos(theta_r) multiplies
     int row;
+#ifdef TG_MIRRORED
+    vec3 place;
+    int own;        // caster that the surface belongs to, or -1
+#endif
 };
 
 // What is reflected of one direction of a lamp of radiance 1, without the weight of the lobe. Each program has its own.
@@ -96,9 +104,44 @@ bool area_reached(AreaSeen seen, AreaLobe q) {
     return seen.radiance > 0.0 && dot(mirror, seen.axis) >= cos(away);
 }
 
+#ifdef TG_SHADOWS
+// With what hides the lamp from `start`. own: as casters_towards has it.
+AreaSeen area_seen_past(AreaSeen open, TgArea area, vec3 start, int own) {
+    AreaSeen seen = open;
+    seen.start = start;
+    // The farthest point of a flat lamp is farther than its middle.
+    float beyond = seen.kind <= TG_AREA_ELLIPSE ? seen.outline.half_u + seen.outline.half_v : 0.0;
+    float farthest = seen.nearness > 0.0 ? 1.0 / seen.nearness + beyond : TG_FAR;
+    seen.before = area.axis_z.w > 0.5 && seen.radiance > 0.0
+                       ? casters_towards(start, seen.axis, seen.bound_rad, farthest, own, TG_CASTS)
+                       : 0;
+    return seen;
+}
+
+// 1 where the lamp's point in this direction is seen, else 0.
+float area_point_seen(AreaSeen seen, vec3 direction) {
+    float reach = seen.nearness > 0.0 ? 1.0 / seen.nearness : TG_FAR;
+    if (seen.kind <= TG_AREA_ELLIPSE) {
+        vec3 facing = cross(seen.outline.u, seen.outline.v);
+        reach = dot(seen.outline.centre, facing) / min(dot(direction, facing), -1.0e-6);
+    }
+    return ray_blocked(seen.before, seen.start, direction, reach * TG_BEFORE_LAMP) ? 0.0 : 1.0;
+}
+#endif
+
+vec3 light_of_node(LightNode node, TgArea area, AreaSeen seen, AreaLobe q) {
+    vec3 light = node_colour(node, q) * (node.measure * area_emission(area, seen, node.direction));
+#ifdef TG_SHADOWS
+    int times = node.measure > 0.0 && seen.before != 0 ? 1 : 0;
+    for (int once = 0; once < times; ++once) {
+        light *= area_point_seen(seen, node.direction);
+    }
+#endif
+    return light;
+}
+
 vec3 slice_colour(LightSlice slice, TgArea area, AreaSeen seen, AreaLobe q) {
-    return node_colour(slice.first, q) * (slice.first.measure * area_emission(area, seen, slice.first.direction)) +
-           node_colour(slice.second, q) * (slice.second.measure * area_emission(area, seen, slice.second.direction));
+    return light_of_node(slice.first, area, seen, q) + light_of_node(slice.second, area, seen, q);
 }
 
 // What the lobe reflects of the lamp, without the weight of the lobe and the lamp's colour.
@@ -137,23 +180,61 @@ vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
     return sum * seen.radiance;
 }
 
+// Where a point of the lamp is seen, not of unit length. at: in a rectangle's square of half side 1, else in a disk of radius 1.
+vec3 lamp_point(TgArea area, AreaSeen seen, vec2 at) {
+    TangentFrame around = tangent_frame(seen.axis, area.axis_x.xyz);
+    vec3 on_cone = seen.axis + (around.tangent * at.x + around.bitangent * at.y) * tan(seen.angle_rad);
+    vec3 on_flat = seen.outline.centre + area.axis_x.xyz * (at.x * area.size.x) + area.axis_y.xyz * (at.y * area.size.y);
+    return seen.kind <= TG_AREA_ELLIPSE ? on_flat : on_cone;
+}
+
 // Mean of area_emission over the lamp: at sixteen points of it, along a spiral or, in a rectangle, a lattice.
 float mean_emission(TgArea area, AreaSeen seen) {
     bool all_alike = seen.kind <= TG_AREA_ELLIPSE ? area.size.z <= 0.0 : seen.kind != TG_AREA_SPOT;
     int points = all_alike ? 0 : 16;
-    TangentFrame around = tangent_frame(seen.axis, area.axis_x.xyz);
     float sum = 0.0;
     for (int k = 0; k < points; ++k) {
         float share = (float(k) + 0.5) / 16.0;
         float turn = 2.39996323 * float(k);
         vec2 at = sqrt(share) * vec2(cos(turn), sin(turn));
         at = seen.kind == TG_AREA_RECTANGLE ? vec2(2.0 * share - 1.0, 2.0 * fract(0.61803399 * float(k)) - 1.0) : at;
-        vec3 on_cone = seen.axis + (around.tangent * at.x + around.bitangent * at.y) * tan(seen.angle_rad);
-        vec3 on_flat = seen.outline.centre + area.axis_x.xyz * (at.x * area.size.x) + area.axis_y.xyz * (at.y * area.size.y);
-        sum += area_emission(area, seen, unit_or_zero(seen.kind <= TG_AREA_ELLIPSE ? on_flat : on_cone));
+        sum += area_emission(area, seen, unit_or_zero(lamp_point(area, seen, at)));
     }
     return all_alike ? 1.0 : sum / 16.0;
 }
+
+#ifdef TG_SHADOWS
+// Interleaved gradient noise (Jimenez 2014): neighbours differ as much as they can.
+float pixel_noise(vec2 pixel) {
+    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+// Share of the lamp's irradiance on a matt surface that nothing hides: by rays to points of it, other ones in each pixel and sample.
+float area_share_seen(TgArea area, AreaSeen seen, vec3 normal) {
+    int points = seen.before != 0 ? int(frame.series.z) : 0;
+    vec2 shift = vec2(pixel_noise(gl_FragCoord.xy), pixel_noise(gl_FragCoord.yx + vec2(47.0, 17.0)));
+    float reached = 0.0;
+    float all = 0.0;
+    for (int k = 0; k < points; ++k) {
+        vec2 u = fract(shift + (frame.series.w + float(k)) * vec2(0.7548776662466927, 0.5698402909980532));
+        float turn = 2.0 * TG_PI * u.y;
+        vec2 at = seen.kind == TG_AREA_RECTANGLE ? 2.0 * u - 1.0 : sqrt(u.x) * vec2(cos(turn), sin(turn));
+        vec3 to_point = lamp_point(area, seen, at);
+        float distance2 = max(dot(to_point, to_point), TG_MIN_DISTANCE_SQUARED);
+        vec3 direction = to_point * inversesqrt(distance2);
+        float weight = max(dot(normal, direction), 0.0) * area_emission(area, seen, direction);
+        if (seen.kind <= TG_AREA_ELLIPSE) {
+            weight *= max(-dot(direction, cross(seen.outline.u, seen.outline.v)), 0.0) / distance2;
+        }
+        int times = weight > 0.0 ? 1 : 0;
+        for (int once = 0; once < times; ++once) {
+            all += weight;
+            reached += weight * area_point_seen(seen, direction);
+        }
+    }
+    return all > 0.0 ? reached / all : 1.0;
+}
+#endif
 
 // Irradiance on a matt surface, of a lamp of RGB 1.
 float area_irradiance(TgArea area, AreaSeen seen, vec3 normal) {

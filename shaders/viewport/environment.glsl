@@ -1,7 +1,12 @@
-// An HDRI mirrored by a lobe: round taps along the long axis of what the lobe sees of it (shared/area/environment_taps.glsl), each with
+// The surroundings mirrored by a lobe, an HDRI and (TG_MIRRORED) things near the blade: round taps along the long axis of what the lobe sees of it (shared/area/environment_taps.glsl), each with
 // Fresnel and shadowing of its own facet. Where many samples are gathered, each takes facets drawn from the lobe instead, so that the sum
 // converges. Behind areas.glsl, whose lobes and nodes it shares.
+#ifdef TG_ENVIRONMENT
 #include "viewport/environment_read.glsl"
+#endif
+#ifdef TG_MIRRORED
+#include "viewport/mirrored.glsl"
+#endif
 
 // Taps: while something moves, and at rest.
 #define TG_TAPS_MOVING 5
@@ -17,8 +22,14 @@ vec2 normal_point(int k) {
     return sqrt(-2.0 * log(max(1.0 - u.x, 1.0e-7))) * vec2(cos(turn), sin(turn));
 }
 
-// What the lobe reflects of the surroundings, without the weight of the lobe and the world's colour.
-vec3 environment_reflection(AreaLobe q) {
+// What the lobe reflects, without its weight.
+struct SurroundingsSeen {
+    vec3 world;  // of the HDRI, without the world's colour
+    vec3 things;
+    float open;  // share of the lobe in which no thing is
+};
+
+SurroundingsSeen surroundings_reflection(AreaLobe q) {
     float cosine = max(q.n_dot_v, 0.02);
     // Facets turned by d about e2 and e1 turn the mirror direction by 2 d and by 2 cos(theta) d.
     vec3 e1 = q.view - q.axes.normal * q.n_dot_v;
@@ -55,8 +66,17 @@ vec3 environment_reflection(AreaLobe q) {
     vec2 drawn_spread = sqrt(vec2(min(aspect * aspect, 400.0), 1.0) - vec2(own * own));
     count = drawn ? TG_DRAWN_FACETS : count;
     float variance = minor * (drawn ? own * own : taps.width * taps.width);
-    vec3 sum = vec3(0.0);
+    SurroundingsSeen seen;
+    seen.world = vec3(0.0);
+    seen.things = vec3(0.0);
+    float open = 0.0;
+    float lit_weights = 0.0;
     float weights = 0.0;
+#ifdef TG_MIRRORED
+    vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
+    float reach_rad = min(9.0 * sqrt(major), TG_PI);
+    int about = casters_towards(q.place, mirror, reach_rad, TG_FAR, q.own, TG_SHOWS);
+#endif
     for (int k = 0; k < count; ++k) {
         vec2 place = vec2(environment_tap_place(taps, count, k), 0.0);
         float weight = drawn ? 1.0 : environment_tap_weight(taps, place.x);
@@ -81,8 +101,26 @@ vec3 environment_reflection(AreaLobe q) {
         node.measure = lit ? weight * sphere * 4.0 * node.v_dot_h : 0.0;
         int times = lit ? 1 : 0;
         for (int once = 0; once < times; ++once) {
-            sum += node_colour(node, q) * environment_at(node.direction, wide) * node.measure;
+            float open_here = 1.0;
+#ifdef TG_MIRRORED
+            MirroredThing thing = mirrored_thing(about, q.place, node.direction);
+            open_here = thing.found ? 0.0 : 1.0;
+            if (thing.found) {
+                seen.things += mirrored_light(thing, node, q) * node.measure;
+            }
+#endif
+#ifdef TG_ENVIRONMENT
+            if (open_here > 0.0) {
+                seen.world += node_colour(node, q) * environment_at(node.direction, wide) * node.measure;
+            }
+#endif
+            open += open_here * weight;
+            lit_weights += weight;
         }
     }
-    return sum * (TG_PI / (q.form.scale * weights));
+    float scale = TG_PI / (q.form.scale * weights);
+    seen.world *= scale;
+    seen.things *= scale;
+    seen.open = lit_weights > 0.0 ? open / lit_weights : 1.0;
+    return seen;
 }

@@ -9,12 +9,13 @@ struct TgFrame {
                  // what a sample stands for, in pixels
     vec4 world;  // rgb of the surroundings before its spectrum, row in the table
     vec4 counts; // points, spots, suns, level-of-detail bias
-    vec4 series; // of a picture gathered from samples that are known beforehand: this sample's number, how many; else 0, 1
+    vec4 series; // of a picture gathered from samples that are known beforehand: this sample's number, how many; else 0, 1;
+                 // rays to each lamp of a size from a matt surface, and the number of the first of them
 };
 
 // Points, then spots, then suns.
 struct TgLight {
-    vec4 place;  // position; sun: unit vector to the light
+    vec4 place;  // position; sun: unit vector to the light. w: 1 where things hide it
     vec4 colour; // rgb times W; sun: rgb times W/m^2. w: row in the table
 };
 
@@ -30,7 +31,7 @@ struct TgArea {
     vec4 colour; // as TgLight's
     vec4 axis_x; // flat: unit axis of half_u; spot: as TgSpot's
     vec4 axis_y; // flat: unit axis of half_v, it shines towards x cross y; spot: as TgSpot's
-    vec4 axis_z; // spot: as TgSpot's
+    vec4 axis_z; // spot: as TgSpot's. w: 1 where things hide the lamp
     vec4 size;   // flat: half_u, half_v, tangent of half its spread (0: all directions), 1/(that less the angle);
                  // sphere: radius, 1 where its falloff is soft; spot: the same, blend, cosine of half the cone; sun: half angle
 };
@@ -41,6 +42,22 @@ struct TgEnvironment {
     vec4 atlas;         // 1/width, 1/height, number of levels, width of a texel of level 0 in rad
     vec4 matt;          // x, y, width, height in texels: what a white matt surface of each normal shines with
     vec4 level[TG_ENVIRONMENT_LEVELS]; // x, y, width, height in texels, without the border of one
+};
+
+// A thing that hides lamps or is mirrored (core/casters.py).
+struct TgCaster {
+    vec4 row_x; // view space to the space of its tree
+    vec4 row_y;
+    vec4 row_z;
+    vec4 tree;  // texel of its first node, number of nodes, texel of its first triangle, its number among the scene's things
+    vec4 ball;  // that holds it: middle in view space, radius
+    vec4 shown; // 1 where it hides lamps, 1 where it is mirrored, the first of its colours
+};
+
+struct TgCasters {
+    vec4 count; // casters, least height of a ray's start above a matt surface, colours
+    TgCaster caster[TG_CASTER_CAPACITY];
+    vec4 colour[TG_CASTER_COLOURS]; // albedo
 };
 
 struct TgLights {

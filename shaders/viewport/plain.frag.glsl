@@ -2,6 +2,7 @@
 // In the table, every texel of a row is the light's own RGB: colour enters as an albedo.
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
+#include "viewport/casters.glsl"
 
 vec3 light_rgb(int row) {
     return table.rgb[row * TG_TABLE_SIZE].xyz;
@@ -32,6 +33,11 @@ vec3 node_colour(LightNode node, AreaLobe q) {
 vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
     vec3 matt = plain.albedo.xyz * ((1.0 - plain.gloss.y) / TG_PI);
     vec3 sum = seen.radiance > 0.0 ? matt * area_irradiance(area, seen, q.axes.normal) : vec3(0.0);
+#ifdef TG_SHADOWS
+    if (seen.radiance > 0.0) {
+        sum *= area_share_seen(area, seen, q.axes.normal);
+    }
+#endif
     int times = area_reached(seen, q) ? 1 : 0;
     for (int once = 0; once < times; ++once) {
         sum += area_reflection(area, seen, q) * lobe_normalised_weight(q.form);
@@ -46,6 +52,11 @@ vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
 
 #define TG_REACHED(towards) (dot(normal, towards.direction) > TG_MIN_COS ? 1 : 0)
 #define TG_REFLECT(towards, colour, row) reflect_light(towards.direction, colour, row, normal, view, form)
+#ifdef TG_SHADOWS
+#define TG_SEEN(index, towards) lamp_seen(index, towards, start, own)
+#else
+#define TG_SEEN(index, towards) 1.0
+#endif
 
 void main() {
     vec3 place = v_position;
@@ -54,6 +65,14 @@ void main() {
     vec3 normal = normalize(v_normal) * (gl_FrontFacing == (object_state.x > 0.0) ? 1.0 : -1.0);
     LobeForm form = lobe_form_isotropic(plain.gloss.x);
     vec3 sum = vec3(0.0);
+#ifdef TG_SHADOWS
+    // The facet's own plane: a smooth normal may lean behind it.
+    vec3 plane = cross(dFdx(place), dFdy(place));
+    plane *= (dot(plane, view) < 0.0 ? -1.0 : 1.0) * inversesqrt(max(dot(plane, plane), 1.0e-38));
+    vec3 start = above_surface(place, plane);
+    // Of a blade's nakago: the blade's own number.
+    int own = int(object_state.y + 0.5) - 1;
+#endif
 #include "viewport/loop.glsl"
 #ifdef TG_AREAS
     AreaLobe q;
@@ -67,14 +86,18 @@ void main() {
     q.row = 0;
     int area_count = q.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
     for (int i = 0; i < area_count; ++i) {
-        sum += reflect_area(areas.area[i], area_seen(areas.area[i], place), q);
+        AreaSeen seen = area_seen(areas.area[i], place);
+#ifdef TG_SHADOWS
+        seen = area_seen_past(seen, areas.area[i], start, own);
+#endif
+        sum += reflect_area(areas.area[i], seen, q);
     }
 #endif
 #ifdef TG_ENVIRONMENT
     if (q.n_dot_v > TG_MIN_COS) {
         vec3 matt = plain.albedo.xyz * (1.0 - plain.gloss.y) * environment_matt(normal);
         sum += frame.world.xyz * light_rgb(int(frame.world.w)) *
-               (matt + environment_reflection(q) * lobe_normalised_weight(form));
+               (matt + surroundings_reflection(q).world * lobe_normalised_weight(form));
     }
 #endif
 #ifdef TG_WORLD

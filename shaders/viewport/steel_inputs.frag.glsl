@@ -6,7 +6,7 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(surface_buffer, at, 0);
 #ifdef TG_MANY
-    if (int(abs(surface.w) - 0.5) / 8 != int(object_state.y + 0.5)) {
+    if (steel_number(surface) != int(object_state.y + 0.5)) {
         discard;
     }
 #endif

@@ -4,11 +4,13 @@
 //   TG_POINTS, TG_SPOTS, TG_SUNS, TG_WORLD                        what the scene has
 //   TG_RECTANGLES, TG_ROUNDS, TG_FINE                             lamps of a size (areas.glsl)
 //   TG_ENVIRONMENT                                                an HDRI (environment.glsl)
+//   TG_SHADOWS    things may hide the lamps                      TG_MIRRORED  things near the blade are mirrored (mirrored.glsl)
 //   TG_MANY       other steels are in the picture
 //   TG_FILTERED   highlights are the mean over the pixel's facets, not the value at its centre
 //   TG_NORMAL_MAP the lobes are wider by the texels of a normal map that a pixel covers
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
+#include "viewport/casters.glsl"
 #include "viewport/steel_pixel.glsl"
 #ifdef TG_NORMAL_MAP
 #include "viewport/spread.glsl"
@@ -33,6 +35,10 @@ struct Steel {
     float beta_ha;
     float beta_hadori;
     float n_dot_v;
+#if defined(TG_SHADOWS) || defined(TG_MIRRORED)
+    vec3 place;
+    int own;
+#endif
 #ifdef TG_FILTERED
     PixelStep right;
     PixelStep up;
@@ -183,6 +189,10 @@ SteelLobe steel_lobe(int number, int row, Steel s) {
     l.lobe.view = s.view;
     l.lobe.n_dot_v = s.n_dot_v;
     l.lobe.row = row;
+#ifdef TG_MIRRORED
+    l.lobe.place = s.place;
+    l.lobe.own = s.own;
+#endif
     l.lobe.form = s.ji;
     l.lobe.at_theta_i = number == 0;
     l.own_weight = s.chi;
@@ -248,11 +258,12 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
     return area.colour.xyz * sum;
 }
 
-#ifdef TG_ENVIRONMENT
+#ifdef TG_SURROUNDINGS
 #include "viewport/environment.glsl"
 
-vec3 reflect_environment(Steel s) {
-    vec3 sum = vec3(0.0);
+// What the pixel reflects of the surroundings, and in which share of it no thing is.
+vec4 reflect_surroundings(Steel s) {
+    vec4 sum = vec4(0.0);
 #ifdef TG_FILTERED
     vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
     Facet right = facet_turn(s.axes, s.view, mirror, 0.0, s.right);
@@ -266,22 +277,28 @@ vec3 reflect_environment(Steel s) {
         l.lobe.widest = 1.0;
         int times = l.share > 0.0 ? 1 : 0;
         for (int once = 0; once < times; ++once) {
-            sum += environment_reflection(l.lobe) * weight_of(l);
+            SurroundingsSeen seen = surroundings_reflection(l.lobe);
+            sum += vec4((seen.world * frame.world.xyz + seen.things) * weight_of(l), seen.open * l.share);
         }
     }
-    return frame.world.xyz * sum;
+    return sum;
 }
 #endif
 #endif
 
 #define TG_REACHED(towards) reached(towards, s)
 #define TG_REFLECT(towards, colour, row) reflect_light(towards, colour, row, s)
+#ifdef TG_SHADOWS
+#define TG_SEEN(index, towards) lamp_seen(index, towards, s.place, s.own)
+#else
+#define TG_SEEN(index, towards) 1.0
+#endif
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(surface_buffer, at, 0);
 #ifdef TG_MANY
-    if (int(abs(surface.w) - 0.5) / 8 != int(object_state.y + 0.5)) {
+    if (steel_number(surface) != int(object_state.y + 0.5)) {
         discard;
     }
 #endif
@@ -289,6 +306,10 @@ void main() {
     vec3 place = p.position;
     Steel s;
     s.view = p.view;
+#if defined(TG_SHADOWS) || defined(TG_MIRRORED)
+    s.place = place;
+    s.own = p.own;
+#endif
     s.axes = p.axes;
     s.w = p.w;
     s.h = p.h;
@@ -337,19 +358,26 @@ void main() {
 #ifdef TG_AREAS
     int area_count = s.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
     for (int i = 0; i < area_count; ++i) {
-        sum += reflect_area(areas.area[i], area_seen(areas.area[i], place), s);
+        AreaSeen seen = area_seen(areas.area[i], place);
+#ifdef TG_SHADOWS
+        seen = area_seen_past(seen, areas.area[i], s.place, s.own);
+#endif
+        sum += reflect_area(areas.area[i], seen, s);
     }
 #endif
-#ifdef TG_ENVIRONMENT
+    float open = 1.0;
+#ifdef TG_SURROUNDINGS
     if (s.n_dot_v > TG_MIN_COS) {
-        sum += reflect_environment(s);
+        vec4 surroundings = reflect_surroundings(s);
+        sum += surroundings.xyz;
+        open = surroundings.w;
     }
 #endif
 #ifdef TG_WORLD
-    // A uniform room: the lobes gather the same radiance from everywhere, so what is left is F at theta_r.
+    // A uniform room: the lobes gather the same radiance from everywhere that no thing is, so what is left is F at theta_r.
     float cos_r = dot(s.axes.normal, s.view);
     if (cos_r > TG_MIN_COS) {
-        sum += frame.world.xyz * table_rgb(int(frame.world.w), cos_r);
+        sum += frame.world.xyz * table_rgb(int(frame.world.w), cos_r) * open;
     }
 #endif
     out_colour = vec4(finite_output(sum), 1.0);

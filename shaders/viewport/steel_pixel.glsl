@@ -2,9 +2,15 @@
 #include "viewport/pixel_step.glsl"
 #endif
 
+// Of the number that steel_surface leaves: the material's.
+int steel_number(vec4 surface) {
+    return (int(abs(surface.w) - 0.5) / 8) % TG_STEEL_CAPACITY;
+}
+
 // What steel_surface left in a pixel.
 struct SteelPixel {
     int part;
+    int own; // number among the scene's things that hide lamps, or -1
     vec3 position;
     vec3 view;
     TangentFrame axes;
@@ -58,6 +64,7 @@ SteelPixel steel_pixel(vec4 surface, ivec2 at) {
     float mirror = surface.w < 0.0 ? -1.0 : 1.0;
     int number = int(abs(surface.w) + 0.5) - 1;
     p.part = number - 8 * (number / 8);
+    p.own = number / (8 * TG_STEEL_CAPACITY) - 1;
     vec2 turn = vec2(1.0, 0.0);
 #ifdef TG_ANISOTROPIC
     turn = texelFetch(turn_buffer, at, 0).xy;

@@ -1,6 +1,7 @@
 // First half of polished steel: which steel a pixel shows. The second half (steel_light) then runs once for each pixel,
 // whereas this one runs several times where triangles are smaller than the blocks that GPUs shade.
-//   out_surface  folded normal (2), depth, number: +-(8 material + part + 1), negative where the object is mirrored
+//   out_surface  folded normal (2), depth, number: +-(8 (material + 1024 (own + 1)) + part + 1), negative where the
+//                object is mirrored; own: the object's number among those that hide lamps, -1 for none
 //   out_map      ln_mu of the ji and of the ha, w, h             (TG_MAPS)
 //   out_turn     cosine and sine of twice the tangent's angle    (TG_ANISOTROPIC)
 //   out_shape    e1, e2 of the ji and of the ha                  (TG_SHAPE)

@@ -25,6 +25,7 @@ REQUIRED = (
     "load_material",
     "pack_mip_atlas",
     "pack_normal_atlas",
+    "ray_tree",
     "katana",
     "katana_defaults",
     "steel_pattern",

@@ -100,16 +100,17 @@ def frame_block(
     slices: int = 0,
     pixel: float = 1.0,
     series: tuple[int, int] = (0, 1),
+    rays: tuple[int, int] = (0, 0),
 ) -> F32:
     """TgFrame. slices: of the lobe for each lamp of a size; pixel: width of what a sample stands for, in pixels;
-    series: number of this sample, of how many."""
+    series: number of this sample, of how many; rays: to each lamp of a size from a matt surface, number of the first."""
     block = np.zeros((9, 4), np.float32)
     block[0:4] = camera.projection.T  # columns
     block[4] = camera.ray
     block[5] = (float(camera.orthographic), counts.areas, slices, pixel)
     block[6] = (*world_rgb, world_row)
     block[7] = (counts.points, counts.spots, counts.suns, lod_bias)
-    block[8, :2] = series
+    block[8] = (*series, *rays)
     return block
 
 
@@ -235,6 +236,7 @@ def spot_lights(world: World) -> list[Light]:
                     colour=tuple((irradiance / power).tolist()),
                     spectrum=world.spectrum,
                     half_angle_rad=spot.half_angle_rad,
+                    shadows=True,
                 )
             )
     return lights
@@ -273,6 +275,7 @@ def lights_block(light_pass: LightPass, camera: ViewSpace) -> F32:
     block = np.zeros((LIGHT_CAPACITY, 2, 4), np.float32)
     for i, light in enumerate(light_pass.lights):
         block[i, 0, :3] = _place(light, camera)
+        block[i, 0, 3] = float(light.shadows)
         block[i, 1] = _colour(light, light_pass)
     return block
 
@@ -299,6 +302,7 @@ def areas_block(light_pass: LightPass, camera: ViewSpace) -> F32:
     for i, light in enumerate(light_pass.areas):
         block[i, 0, :3] = _place(light, camera)
         block[i, 0, 3] = _AREA_KIND[light.kind]
+        block[i, 4, 3] = float(light.shadows)
         block[i, 1] = _colour(light, light_pass)
         axes = camera.view[:3, :3] @ np.array([light.x_axis, light.y_axis, light.z_axis]).T
         if light.kind is LightKind.SUN:

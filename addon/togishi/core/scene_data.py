@@ -116,6 +116,8 @@ class Instance:
     mesh: str  # key in SceneData.meshes
     matrix: F64  # (4, 4) object to world
     materials: tuple[str, ...]  # key in SceneData.materials for each slot, at least one
+    casts: bool = True  # hides lamps from others
+    mirrored: bool = True  # is seen in others' steel
 
 
 class LightKind(Enum):
@@ -151,6 +153,7 @@ class Light:
     half_u: float = 0.0  # flat: half of the side along x_axis, or the ellipse's half axis
     half_v: float = 0.0  # along y_axis
     spread_rad: float = math.pi  # flat: whole angle that it shines into
+    shadows: bool = False  # whether things hide it
 
     @property
     def sized(self) -> bool:
@@ -226,6 +229,7 @@ class SceneData:
     filtered: bool = (
         False  # highlights on steel are the mean over a pixel's facets, not the value at its centre
     )
+    mirror_things: bool = False  # steel mirrors the other things of the scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,12 @@ from pathlib import Path
 # Sizes that the GLSL side and packing.py agree on.
 LIGHT_CAPACITY = 256
 AREA_CAPACITY = 64
+# Bits of a whole number in GLSL.
+CASTER_CAPACITY = 30
+CASTER_COLOURS = 64
+# Texels to a row of the casters' trees.
+TREE_WIDTH = 4096
+STEEL_CAPACITY = 1024
 # Linear interpolation errs by 6e-6 of F at most; a spectral line whose Z is 90 times its Y needs that.
 TABLE_SIZE = 512
 # Together 64 KiB, the size of a uniform block on every GPU that Blender runs on.
@@ -74,15 +80,21 @@ class LightVariant:
     rectangles: bool = False
     rounds: bool = False
     fine: bool = False
+    shadows: bool = False  # things hide lamps
+    mirrored: bool = False  # steel mirrors things; no part of programs without steel
 
     @property
     def areas(self) -> bool:
-        return self.rectangles or self.rounds or self.environment
+        return self.rectangles or self.rounds or self.environment or self.mirrored
 
     def defines(self) -> dict[str, str]:
         flags = _flags(self)
         if self.areas:
             flags["TG_AREAS"] = ""
+        if self.environment or self.mirrored:
+            flags["TG_SURROUNDINGS"] = ""
+        if self.shadows or self.mirrored:
+            flags["TG_CASTERS"] = ""
         return flags
 
 
@@ -157,6 +169,10 @@ class ProgramSource:
 _SIZES = {
     "TG_LIGHT_CAPACITY": str(LIGHT_CAPACITY),
     "TG_AREA_CAPACITY": str(AREA_CAPACITY),
+    "TG_CASTER_CAPACITY": str(CASTER_CAPACITY),
+    "TG_CASTER_COLOURS": str(CASTER_COLOURS),
+    "TG_TREE_WIDTH": str(TREE_WIDTH),
+    "TG_STEEL_CAPACITY": str(STEEL_CAPACITY),
     "TG_TABLE_SIZE": str(TABLE_SIZE),
     "TG_TABLE_ROWS": str(TABLE_ROWS),
     "TG_MAX_LEVELS": str(MAX_LEVELS),
@@ -201,7 +217,10 @@ def _program(
     parts = (
         ("TG_AREAS", "viewport/areas.glsl"),
         ("TG_FILTERED", "viewport/pixel_step.glsl"),
-        ("TG_ENVIRONMENT", "viewport/environment.glsl"),
+        ("TG_CASTERS", "viewport/casters.glsl"),
+        ("TG_SURROUNDINGS", "viewport/environment.glsl"),
+        ("TG_ENVIRONMENT", "viewport/environment_read.glsl"),
+        ("TG_MIRRORED", "viewport/mirrored.glsl"),
         ("TG_NORMAL_MAP", "viewport/normal_map.glsl"),
         ("TG_NORMAL_MAP", "viewport/spread.glsl"),
     )
@@ -228,11 +247,16 @@ def _light_blocks(lights: LightVariant) -> tuple[tuple[str, str], ...]:
         blocks.append(("TgAreas", "areas"))
     if lights.environment:
         blocks.append(("TgEnvironment", "environment"))
+    if lights.shadows or lights.mirrored:
+        blocks.append(("TgCasters", "casters"))
     return tuple(blocks)
 
 
 def _light_samplers(lights: LightVariant) -> tuple[tuple[str, str], ...]:
-    return (("FLOAT_2D", "environment_atlas"),) if lights.environment else ()
+    samplers = [("FLOAT_2D", "environment_atlas")] if lights.environment else []
+    if lights.shadows or lights.mirrored:
+        samplers.append(("FLOAT_2D", "trees"))
+    return tuple(samplers)
 
 
 @cache
@@ -381,6 +405,7 @@ def steel_direction_program(steel: SteelVariant) -> ProgramSource:
 @cache
 def plain_program(lights: LightVariant, *, output_max: float = HALF_MAX) -> ProgramSource:
     """Everything that is not polished steel."""
+    lights = replace(lights, mirrored=False)
     defines = {
         **lights.defines(),
         "TG_OUTPUT_MAX": repr(float(output_max)),

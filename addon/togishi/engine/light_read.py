@@ -82,6 +82,7 @@ def read_light(light: bpy.types.Light, matrix: np.ndarray) -> Light:
         half_u=half_u,
         half_v=half_v,
         spread_rad=float(getattr(light, "spread", math.pi)),
+        shadows=bool(light.use_shadow),
     )
 
 

@@ -220,7 +220,10 @@ class TogishiRenderEngine(bpy.types.RenderEngine):
         if gathering.samples < wanted:
             offset = gathering.offset(wanted, depsgraph.scene_eval.render.filter_size)
             bias = lod_bias_of(wanted) if gathering.samples else 0.0
-            gathering.add(renderer.draw(scene, camera, size, jitter=offset, lod_bias=bias))
+            number = (gathering.samples, wanted)
+            gathering.add(
+                renderer.draw(scene, camera, size, jitter=offset, lod_bias=bias, added=number)
+            )
             if gathering.samples < wanted:
                 self.tag_redraw()
         renderer.copy(gathering.texture, 1.0 / gathering.samples, blend="ALPHA_PREMULT")

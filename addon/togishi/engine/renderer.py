@@ -25,6 +25,7 @@ from gpu.types import (
 )
 
 from ..core import pace, packing, shader_source, surroundings
+from ..core.casters import Casters, Tree, casters_block, casters_of, texels_of, tree_of
 from ..core.packing import LightPass, ViewSpace
 from ..core.sampling import pixel_offsets
 from ..core.scene_data import (
@@ -52,6 +53,9 @@ FAR_DEPTH = 1.0e10
 # Slices of the lobe for each lamp of a size; their errors and times: docs/light.md.
 MOVING_SLICES = 4
 RESTING_SLICES = 16
+# Rays to each lamp of a size from a point of a matt surface: while something moves, and at rest where no more samples follow.
+MOVING_RAYS = 4
+RESTING_RAYS = 16
 
 
 @dataclass
@@ -143,6 +147,7 @@ class _SteelItem:
     mesh: _GpuMesh
     batch: GPUBatch
     program: ProgramSource  # first half
+    own: int  # number among the casters, -1 for none
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,6 +168,18 @@ class _PlainItem:
     batch: GPUBatch
     key: str
     material: PlainMaterial
+    own: int = -1  # of a blade's nakago: the blade's number among the casters
+
+
+@dataclass(frozen=True, eq=False)
+class _Traced:
+    """What rays may meet, on the GPU."""
+
+    casters: Casters = field(default_factory=Casters)
+    meshes: tuple[MeshData, ...] = ()
+    place_of: dict[int, tuple[int, int, int]] = field(default_factory=dict)  # by id of the mesh
+    texture: GPUTexture | None = None
+    places: tuple[tuple[int, int, int], ...] = ()  # of each caster's tree
 
 
 @dataclass(frozen=True)
@@ -235,8 +252,11 @@ class Renderer:
         self._passes: list[LightPass] = []
         self._has_areas = False
         self._environment: _GpuEnvironment | None = None
+        self._trees: dict[int, tuple[MeshData, Tree]] = {}
+        self._traced = _Traced()
         self._slices = RESTING_SLICES
         self._series = (0, 1)
+        self._rays = (0, 0)
         self._prepared: tuple[object, ...] = ()
 
     # --- pictures -------------------------------------------------------------------------------
@@ -254,6 +274,7 @@ class Renderer:
         every_lamp: bool = False,
         moving: bool = False,
         series: tuple[int, int] = (0, 1),
+        added: tuple[int, int] = (0, 1),
     ) -> Picture:
         """Colour (half float, or float32) of one sample per pixel. Leaves the GPU state as it found it.
 
@@ -261,6 +282,7 @@ class Renderer:
         much less of a pixel.
         moving: lamps of a size by few slices of the lobe; else as they are in a final picture.
         series: number of this sample, of how many that are added up: an HDRI is then mirrored by other facets in each.
+        added: the same of samples that a user watches arriving: other rays find the shadows in each.
         bench_61, every_lamp: slower ways to the same picture, for benchmarks (steel_light_program).
 
         Polished steel is drawn in two halves: its triangles leave normal, depth and lobes, then every pixel
@@ -271,6 +293,13 @@ class Renderer:
         self._prepare(scene, output_max, bench_61, every_lamp, moving)
         space = packing.view_space(camera, size, jitter)
         self._series = series
+        number, samples = added if added[1] > 1 else series
+        rays = (
+            MOVING_RAYS
+            if moving or samples >= RESTING_RAYS // MOVING_RAYS
+            else RESTING_RAYS // samples
+        )
+        self._rays = (rays, number * rays)
         targets = self._targets_of(size, "RGBA32F" if float32 else "RGBA16F")
         background = self._background(scene, output_max)
         with _DrawState():
@@ -280,6 +309,9 @@ class Renderer:
             if self._environment is not None:
                 content = packing.environment_block(scene.world, self._environment.atlas, space)
                 self._set(self._block("environment"), content)
+            if self._traced.texture is not None:
+                content = casters_block(self._traced.casters, self._traced.places, space)
+                self._set(self._block("casters"), content)
             if self._steels and targets.surface is not None:
                 with targets.surface.bind():
                     self._draw_surfaces(space)
@@ -307,7 +339,7 @@ class Renderer:
             for known, drawn in (*self._maps.values(), *self._normal_maps.values())
             if len(drawn.data.levels) < len(known.levels)
         ]
-        return [*self.tables.problems.values(), *coarser]
+        return [*self.tables.problems.values(), *coarser, *self._traced.casters.left_out]
 
     def prepare_lights(self, scene: SceneData) -> None:
         """Everything that a changed light costs before the next picture: its table row and its block."""
@@ -475,7 +507,7 @@ class Renderer:
         # Twice the distance between samples, so that what is narrower than it is not missed between two.
         pixel = min(2.0 * 2.0**lod_bias, 1.0)
         content = packing.frame_block(
-            space, world, 0, counts, lod_bias, self._slices, pixel, self._series
+            space, world, 0, counts, lod_bias, self._slices, pixel, self._series, self._rays
         )
         self._set(self._block("frame"), content)
 
@@ -500,6 +532,10 @@ class Renderer:
             shader.uniform_block("areas", self._block("areas", index).buffer)
         if "environment" in names:
             self._bind_environment(shader)
+        if "casters" in names:
+            assert self._traced.texture is not None
+            shader.uniform_block("casters", self._block("casters").buffer)
+            shader.uniform_sampler("trees", self._traced.texture)
         if "wavelengths" in names:
             shader.uniform_block("wavelengths", self._wavelengths_block().buffer)
 
@@ -543,7 +579,8 @@ class Renderer:
                         shader.uniform_sampler("shape_atlas", textures.shape)
                 if steel.variant.normal_map:
                     self._bind_normal_map(shader, steel)
-                self._push_object(shader, item.instance, space, steel.number, -1.0)
+                number = steel.number + shader_source.STEEL_CAPACITY * (item.own + 1)
+                self._push_object(shader, item.instance, space, number, -1.0)
                 gpu.state.face_culling_set(_unseen_faces(item.mesh.data, item.instance.matrix))
                 item.batch.draw(shader)
                 self.counters.draw_calls += 1
@@ -616,7 +653,7 @@ class Renderer:
                     self._set(block, packing.plain_block(item.material))
                     block.tag = item.material
                 shader.uniform_block("plain", block.buffer)
-            self._push_object(shader, item.instance, space, 0, -1.0)
+            self._push_object(shader, item.instance, space, item.own + 1, -1.0)
             item.batch.draw(shader)
             self.counters.draw_calls += 1
 
@@ -689,7 +726,13 @@ class Renderer:
         elif self._environment is None or self._environment.data is not wanted:
             self._environment = self._blurred(wanted)
         self._passes = packing.light_passes(scene.lights, scene.world)
-        lights = packing.light_variant(self._passes, scene.world, fine=not moving)
+        self._trace(casters_of(scene))
+        casters = self._traced.casters
+        lights = replace(
+            packing.light_variant(self._passes, scene.world, fine=not moving),
+            shadows=casters.shadows,
+            mirrored=casters.mirrored,
+        )
         self._has_areas = lights.areas
         self._slices = MOVING_SLICES if moving else RESTING_SLICES
         self._plain_program = shader_source.plain_program(lights, output_max=output_max)
@@ -703,7 +746,8 @@ class Renderer:
                 if isinstance(material, PlainMaterial):
                     self._plains.append(_PlainItem(instance, batch, key, material))
                 elif group.nakago:
-                    nakago = _PlainItem(instance, batch, f"{key}/nakago", material.nakago)
+                    own = casters.number_of(instance)
+                    nakago = _PlainItem(instance, batch, f"{key}/nakago", material.nakago, own)
                     self._plains.append(nakago)
                 else:
                     variant = steel_variant(material.steel, mesh.data, filtered=scene.filtered)
@@ -714,7 +758,7 @@ class Renderer:
         layout = tuple(name for name in shader_source.STEEL_TARGETS if name in used)
         for number, ((key, variant), drawn) in enumerate(groups.items()):
             first = shader_source.steel_surface_program(variant, layout)
-            items = tuple(_SteelItem(*item, first) for item in drawn)
+            items = tuple(_SteelItem(*item, first, casters.number_of(item[0])) for item in drawn)
             blade = scene.materials[key]
             assert isinstance(blade, BladeMaterial)
             second = shader_source.steel_light_program(
@@ -727,6 +771,32 @@ class Renderer:
             )
             self._steels.append(_Steel(number, key, blade.steel, variant, second, items))
         self._prepared = prepared
+
+    def _trace(self, casters: Casters) -> None:
+        """The trees of what rays may meet, in one texture that is made again only where a mesh changed."""
+        meshes = {id(caster.mesh): caster.mesh for caster in casters.casters}
+        if self._traced.meshes != tuple(meshes.values()):
+            self._trees = {
+                key: self._trees.get(key) or (mesh, tree_of(mesh)) for key, mesh in meshes.items()
+            }
+            texels, places = texels_of([tree for _mesh, tree in self._trees.values()])
+            height, width, _channels = texels.shape
+            if height > self._largest_texture:
+                raise ValueError(
+                    f"Shadows and mirrored objects need {height} x {width} texels, and this GPU's textures have at most "
+                    f"{self._largest_texture} to a side. Switch off their shadow and glossy visibility."
+                )
+            texture = (
+                GPUTexture((width, height), format="RGBA32F", data=float_buffer(texels))
+                if meshes
+                else None
+            )
+            self.counters.map_uploads += 1
+            self._traced = _Traced(
+                casters, tuple(meshes.values()), dict(zip(meshes, places, strict=True)), texture
+            )
+        places_of = [self._traced.place_of[id(caster.mesh)] for caster in casters.casters]
+        self._traced = replace(self._traced, casters=casters, places=tuple(places_of))
 
     def _upload(self, scene: SceneData) -> None:
         for key, mesh in scene.meshes.items():

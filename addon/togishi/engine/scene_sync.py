@@ -147,7 +147,15 @@ class SceneSync:
                 key, mesh = self._mesh(obj, item.is_instance, keys)
                 if mesh is not None and mesh.groups:
                     meshes[key] = mesh
-                    instances.append(Instance(key, matrix_array(item.matrix_world), keys))
+                    instances.append(
+                        Instance(
+                            key,
+                            matrix_array(item.matrix_world),
+                            keys,
+                            casts=bool(obj.visible_shadow),
+                            mirrored=bool(obj.visible_glossy),
+                        )
+                    )
         self._meshes = {key: known for key, known in self._meshes.items() if key in meshes}
         for name in materials:
             note = self._materials[name][2]
@@ -164,7 +172,8 @@ class SceneSync:
             world=world,
             colour=self._colour(depsgraph),
             transparent=depsgraph.scene_eval.render.film_transparent,
-            filtered=self._filtered(depsgraph),
+            filtered=self._setting(depsgraph, "filter_highlights"),
+            mirror_things=self._setting(depsgraph, "mirror_things"),
         )
 
     def _read_lights(
@@ -194,13 +203,15 @@ class SceneSync:
             world=world,
             colour=self._colour(depsgraph),
             transparent=depsgraph.scene_eval.render.film_transparent,
-            filtered=self._filtered(depsgraph),
+            filtered=self._setting(depsgraph, "filter_highlights"),
+            mirror_things=self._setting(depsgraph, "mirror_things"),
         )
 
     @staticmethod
-    def _filtered(depsgraph: bpy.types.Depsgraph) -> bool:
+    def _setting(depsgraph: bpy.types.Depsgraph, name: str) -> bool:
+        """A switch of the render settings, on where there are none."""
         settings = getattr(depsgraph.scene_eval, "togishi", None)
-        return bool(getattr(settings, "filter_highlights", True))
+        return bool(getattr(settings, name, True))
 
     @staticmethod
     def _colour(depsgraph: bpy.types.Depsgraph) -> ColourSettings:

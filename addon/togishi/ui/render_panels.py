@@ -31,6 +31,7 @@ class TOGISHI_PT_render(_RenderPanel, bpy.types.Panel):
         layout.prop(settings, "viewport_samples", text="Viewport")
         layout.prop(settings, "samples", text="Render")
         layout.prop(settings, "filter_highlights")
+        layout.prop(settings, "mirror_things")
         layout.prop(context.scene.render, "film_transparent")
 
 
