@@ -129,6 +129,20 @@ float area_point_seen(AreaSeen seen, vec3 direction) {
 }
 #endif
 
+#ifdef TG_SHADOWS
+// Only those things that the lobe sees before the lamp.
+AreaSeen seen_by_lobe(AreaSeen all, AreaLobe q, int own) {
+    AreaSeen seen = all;
+    vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
+    float reach_rad = min(2.0 * sqrt(TG_DARK_EXPONENT / q.widest), TG_PI);
+    int times = all.before != 0 ? 1 : 0;
+    for (int once = 0; once < times; ++once) {
+        seen.before = all.before & casters_towards(all.start, mirror, reach_rad, TG_FAR, own, TG_CASTS);
+    }
+    return seen;
+}
+#endif
+
 vec3 light_of_node(LightNode node, TgArea area, AreaSeen seen, AreaLobe q) {
     vec3 light = node_colour(node, q) * (node.measure * area_emission(area, seen, node.direction));
 #ifdef TG_SHADOWS
@@ -209,14 +223,15 @@ float pixel_noise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// Share of the lamp's irradiance on a matt surface that nothing hides: by rays to points of it, other ones in each pixel and sample.
-float area_share_seen(TgArea area, AreaSeen seen, vec3 normal) {
-    int points = seen.before != 0 ? int(frame.series.z) : 0;
+// Share of the lamp's irradiance on a matt surface that nothing hides: by rays to points of it, other ones in each pixel; first:
+// number of the first of them.
+float area_share_seen(TgArea area, AreaSeen seen, vec3 normal, int rays, float first) {
+    int points = seen.before != 0 ? rays : 0;
     vec2 shift = vec2(pixel_noise(gl_FragCoord.xy), pixel_noise(gl_FragCoord.yx + vec2(47.0, 17.0)));
     float reached = 0.0;
     float all = 0.0;
     for (int k = 0; k < points; ++k) {
-        vec2 u = fract(shift + (frame.series.w + float(k)) * vec2(0.7548776662466927, 0.5698402909980532));
+        vec2 u = fract(shift + (first + float(k)) * vec2(0.7548776662466927, 0.5698402909980532));
         float turn = 2.0 * TG_PI * u.y;
         vec2 at = seen.kind == TG_AREA_RECTANGLE ? 2.0 * u - 1.0 : sqrt(u.x) * vec2(cos(turn), sin(turn));
         vec3 to_point = lamp_point(area, seen, at);

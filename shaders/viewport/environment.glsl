@@ -14,6 +14,7 @@
 // Facets of each sample, from so many samples on.
 #define TG_DRAWN_FACETS 16
 #define TG_LEAST_SERIES 16.0
+#define TG_FACETS_MOVING 4
 
 // Point k of a series (Roberts 2018) as two standard normal numbers (Box and Muller).
 vec2 normal_point(int k) {
@@ -58,13 +59,24 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
     float sigma = sqrt(minor);
     vec3 long_turn = (e1 * axis.x + e2 * (axis.y / cosine)) * (0.5 * sigma);
     vec3 short_turn = (e2 * (axis.x / cosine) - e1 * axis.y) * (0.5 * sigma);
+#ifdef TG_MIRRORED
+    // Things are not blurred beforehand: rays through the whole lobe, others in each sample that is added.
+    bool drawn = true;
+    int facets = frame.view.z < 8.0 ? TG_FACETS_MOVING : TG_DRAWN_FACETS / 2;
+    float number = frame.series.w / max(frame.series.z, 1.0);
+    float samples = max(frame.series.y, number + 1.0);
+#else
     bool drawn = frame.series.y >= TG_LEAST_SERIES;
-    int drawn_before = int(frame.series.x) * TG_DRAWN_FACETS;
+    int facets = TG_DRAWN_FACETS;
+    float number = frame.series.x;
+    float samples = frame.series.y;
+#endif
+    int drawn_before = int(number + 0.5) * facets;
     // Each drawn facet stands for what lies around it: the more, the less; its own width is no part of the spread of all.
-    float own = 0.8 * sqrt(2.0 * TG_PI * min(aspect, 20.0) / (frame.series.y * float(TG_DRAWN_FACETS)));
+    float own = 0.8 * sqrt(2.0 * TG_PI * min(aspect, 20.0) / (samples * float(facets)));
     own = clamp(own, 0.01, 0.9);
     vec2 drawn_spread = sqrt(vec2(min(aspect * aspect, 400.0), 1.0) - vec2(own * own));
-    count = drawn ? TG_DRAWN_FACETS : count;
+    count = drawn ? facets : count;
     float variance = minor * (drawn ? own * own : taps.width * taps.width);
     SurroundingsSeen seen;
     seen.world = vec3(0.0);
@@ -74,7 +86,8 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
     float weights = 0.0;
 #ifdef TG_MIRRORED
     vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
-    float reach_rad = min(9.0 * sqrt(major), TG_PI);
+    // No drawn facet is farther out than 5 standard deviations.
+    float reach_rad = min(5.0 * sqrt(major), TG_PI);
     int about = casters_towards(q.place, mirror, reach_rad, TG_FAR, q.own, TG_SHOWS);
 #endif
     for (int k = 0; k < count; ++k) {
@@ -103,10 +116,13 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
         for (int once = 0; once < times; ++once) {
             float open_here = 1.0;
 #ifdef TG_MIRRORED
-            MirroredThing thing = mirrored_thing(about, q.place, node.direction);
-            open_here = thing.found ? 0.0 : 1.0;
-            if (thing.found) {
-                seen.things += mirrored_light(thing, node, q) * node.measure;
+            int near = about != 0 ? 1 : 0;
+            for (int once_near = 0; once_near < near; ++once_near) {
+                MirroredThing thing = mirrored_thing(about, q.place, node.direction);
+                open_here = thing.found ? 0.0 : 1.0;
+                if (thing.found) {
+                    seen.things += mirrored_light(thing, node, q, drawn_before + k) * node.measure;
+                }
             }
 #endif
 #ifdef TG_ENVIRONMENT

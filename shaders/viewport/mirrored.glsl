@@ -49,8 +49,8 @@ vec3 row_rgb(int row, LightNode node, AreaLobe q) {
     return table_rgb(row, q.at_theta_i ? node.n_dot_l : node.v_dot_h);
 }
 
-// What the facet of the node reflects of the thing.
-vec3 mirrored_light(MirroredThing thing, LightNode node, AreaLobe q) {
+// What the facet of the node reflects of the thing. number: of the ray among the pixel's.
+vec3 mirrored_light(MirroredThing thing, LightNode node, AreaLobe q, int number) {
     vec3 sum = vec3(0.0);
     vec3 start = above_surface(thing.place, thing.normal);
 #if defined(TG_POINTS) || defined(TG_SPOTS) || defined(TG_SUNS)
@@ -88,7 +88,7 @@ vec3 mirrored_light(MirroredThing thing, LightNode node, AreaLobe q) {
         float irradiance = seen.radiance > 0.0 ? area_irradiance(area, seen, thing.normal) : 0.0;
         if (irradiance > 0.0) {
 #ifdef TG_SHADOWS
-            irradiance *= area_share_seen(area, area_seen_past(seen, area, start, -1), thing.normal);
+            irradiance *= area_share_seen(area, area_seen_past(seen, area, start, -1), thing.normal, 1, float(number));
 #endif
             sum += area.colour.xyz * irradiance * row_rgb(int(area.colour.w), node, q);
         }

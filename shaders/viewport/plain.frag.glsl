@@ -21,6 +21,8 @@ vec3 reflect_light(vec3 light, vec3 colour, int row, vec3 normal, vec3 view, Lob
 
 #ifdef TG_AREAS
 #define TG_DARK_EXPONENT 30.0
+// ln of 5 degrees.
+#define TG_BROAD_GLOSS 1.6
 #include "viewport/areas.glsl"
 
 vec3 node_colour(LightNode node, AreaLobe q) {
@@ -33,14 +35,21 @@ vec3 node_colour(LightNode node, AreaLobe q) {
 vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
     vec3 matt = plain.albedo.xyz * ((1.0 - plain.gloss.y) / TG_PI);
     vec3 sum = seen.radiance > 0.0 ? matt * area_irradiance(area, seen, q.axes.normal) : vec3(0.0);
+    AreaSeen glossy = seen;
+    float share = 1.0;
 #ifdef TG_SHADOWS
     if (seen.radiance > 0.0) {
-        sum *= area_share_seen(area, seen, q.axes.normal);
+        share = area_share_seen(area, seen, q.axes.normal, int(frame.series.z), frame.series.w);
+        sum *= share;
     }
+    // A broad gloss sees as much of the lamp as the matt part does: rays of its own only for a mirror.
+    glossy.before = plain.gloss.x > TG_BROAD_GLOSS ? 0 : seen.before;
+    share = plain.gloss.x > TG_BROAD_GLOSS ? share : 1.0;
 #endif
-    int times = area_reached(seen, q) ? 1 : 0;
+    bool shines = plain.albedo.w > 1.0 || plain.gloss.y > 0.0;
+    int times = shines && area_reached(seen, q) ? 1 : 0;
     for (int once = 0; once < times; ++once) {
-        sum += area_reflection(area, seen, q) * lobe_normalised_weight(q.form);
+        sum += area_reflection(area, glossy, q) * (share * lobe_normalised_weight(q.form));
     }
     return area.colour.xyz * light_rgb(int(area.colour.w)) * sum;
 }

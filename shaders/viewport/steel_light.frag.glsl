@@ -252,7 +252,11 @@ vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
         l.lobe.widest = max(least(l.lobe.form), 1.0e-6);
         int times = l.share > 0.0 && area_reached(seen, l.lobe) ? 1 : 0;
         for (int once = 0; once < times; ++once) {
+#ifdef TG_SHADOWS
+            sum += area_reflection(area, seen_by_lobe(seen, l.lobe, s.own), l.lobe) * weight_of(l);
+#else
             sum += area_reflection(area, seen, l.lobe) * weight_of(l);
+#endif
         }
     }
     return area.colour.xyz * sum;
