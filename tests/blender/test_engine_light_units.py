@@ -127,6 +127,11 @@ def wide_sun(light, obj):
     obj.rotation_euler = (math.radians(70.0), 0.0, 0.0)
 
 
+def high_sun(light, obj):
+    light.energy, light.angle = 3.0, 0.5
+    obj.rotation_euler = (math.radians(25.0), math.radians(20.0), 0.0)
+
+
 TURNED = {"location": (1.2, -0.4, 1.0), "rotation": (0.25, 0.9, 0.3)}
 LOW = {"location": (1.0, 0.2, 0.1), "rotation": (0.0, 1.4, 0.5)}
 
@@ -303,3 +308,69 @@ def test_hdri_as_in_cycles(addon, tmp_path, kind, sun):
     mine, theirs = (picture[:, halves["card"]].mean(axis=(0, 1)) for picture in (ours, cycles))
     print(mine, theirs)
     np.testing.assert_allclose(mine, theirs, rtol=0.02)
+
+
+def shadow_picture(
+    engine: str,
+    kind: str,
+    setup: Callable[[object, object], None],
+    path: str,
+    *,
+    shadows: bool,
+) -> np.ndarray:
+    """(36, 48, 3) linear RGB: a post with a board on it over a grey floor."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    material = bpy.data.materials.new("grey")
+    material.use_nodes = True
+    material.node_tree.nodes.clear()
+    diffuse = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+    output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    for place, size in (
+        ((0.0, 0.0, -0.05), (8.0, 8.0, 0.1)),
+        ((0.0, 0.0, 0.2), (0.06, 0.06, 0.4)),
+        ((0.1, 0.0, 0.45), (0.6, 0.3, 0.02)),
+    ):
+        bpy.ops.mesh.primitive_cube_add(size=1.0, location=place)
+        bpy.context.object.scale = size
+        bpy.context.object.data.materials.append(material)
+    light = bpy.data.lights.new("lamp", kind)
+    lamp = bpy.data.objects.new("lamp", light)
+    scene.collection.objects.link(lamp)
+    setup(light, lamp)
+    light.use_shadow = shadows
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.0, -2.2, 1.4), (math.radians(60.0), 0.0, 0.0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.togishi.samples = 64
+    return rendered(scene, engine, (48, 36), 512, path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "setup"),
+    [
+        ("AREA", area("RECTANGLE", 1.0, 0.4, location=(0.5, -0.4, 1.5), rotation=(0.2, 0.3, 0.1))),
+        ("AREA", area("DISK", 0.8, location=(-0.4, 0.2, 1.2))),
+        ("POINT", sphere),
+        ("POINT", coloured_point),
+        ("SPOT", spot_with_radius),
+        ("SUN", high_sun),
+    ],
+    ids=lambda value: getattr(value, "__name__", value),
+)
+def test_shadows_as_in_cycles(addon, tmp_path, kind, setup):
+    def lost(engine: str) -> np.ndarray:
+        """What is hidden from the picture: outlines, which are filtered differently, are in both and cancel."""
+        path = str(tmp_path / f"{engine}.exr")
+        pictures = [shadow_picture(engine, kind, setup, path, shadows=on) for on in (False, True)]
+        return (pictures[0] - pictures[1]) / pictures[0].max()
+
+    ours, cycles = lost("TOGISHI"), lost("CYCLES")
+    assert cycles.max() > 0.1, "something lies in shadow"
+    apart = np.abs(ours - cycles)
+    print(apart.mean(), np.percentile(apart, 98.0))
+    assert apart.mean() < 0.003
+    assert np.percentile(apart, 98.0) < 0.025
