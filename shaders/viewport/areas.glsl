@@ -1,5 +1,6 @@
 // Lamps of a size (shared/area_lights.glsl) in a pixel.
 //   TG_RECTANGLES, TG_ROUNDS   which outlines the scene has
+//   TG_PICTURES                some of them shine with a picture (pictures.glsl)
 //   TG_FINE                    round ones by nodes that resolve G's bends: the picture at rest
 #include "shared/area_lights.glsl"
 
@@ -97,6 +98,18 @@ float area_emission(TgArea area, AreaSeen seen, vec3 direction) {
     return 1.0;
 }
 
+// Where a point of the lamp is seen, not of unit length. at: in a rectangle's square of half side 1, else in a disk of radius 1.
+vec3 lamp_point(TgArea area, AreaSeen seen, vec2 at) {
+    TangentFrame around = tangent_frame(seen.axis, area.axis_x.xyz);
+    vec3 on_cone = seen.axis + (around.tangent * at.x + around.bitangent * at.y) * tan(seen.angle_rad);
+    vec3 on_flat = seen.outline.centre + area.axis_x.xyz * (at.x * area.size.x) + area.axis_y.xyz * (at.y * area.size.y);
+    return seen.kind <= TG_AREA_ELLIPSE ? on_flat : on_cone;
+}
+
+#ifdef TG_PICTURES
+#include "viewport/area_pictures.glsl"
+#endif
+
 // Whether the lobe reflects any of the lamp: its facets are at least half as far from N as L is from the mirror direction.
 bool area_reached(AreaSeen seen, AreaLobe q) {
     vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
@@ -115,6 +128,8 @@ AreaSeen area_seen_past(AreaSeen open, TgArea area, vec3 start, int own) {
     seen.before = area.axis_z.w > 0.5 && seen.radiance > 0.0
                        ? casters_towards(start, seen.axis, seen.bound_rad, farthest, own, TG_CASTS)
                        : 0;
+    int itself = int(area.axis_y.w + 0.5);
+    seen.before = itself > 0 ? seen.before & ~(1 << (itself - 1)) : seen.before;
     return seen;
 }
 
@@ -143,8 +158,12 @@ AreaSeen seen_by_lobe(AreaSeen all, AreaLobe q, int own) {
 }
 #endif
 
-vec3 light_of_node(LightNode node, TgArea area, AreaSeen seen, AreaLobe q) {
+// blur_rad: standard deviation of the directions that the node stands for.
+vec3 light_of_node(LightNode node, TgArea area, AreaSeen seen, AreaLobe q, float blur_rad) {
     vec3 light = node_colour(node, q) * (node.measure * area_emission(area, seen, node.direction));
+#ifdef TG_PICTURES
+    light *= area_picture(area, seen, node.direction, blur_rad);
+#endif
 #ifdef TG_SHADOWS
     int times = node.measure > 0.0 && seen.before != 0 ? 1 : 0;
     for (int once = 0; once < times; ++once) {
@@ -154,8 +173,13 @@ vec3 light_of_node(LightNode node, TgArea area, AreaSeen seen, AreaLobe q) {
     return light;
 }
 
-vec3 slice_colour(LightSlice slice, TgArea area, AreaSeen seen, AreaLobe q) {
-    return light_of_node(slice.first, area, seen, q) + light_of_node(slice.second, area, seen, q);
+// width_rad: that the slice stands for.
+vec3 slice_colour(LightSlice slice, TgArea area, AreaSeen seen, AreaLobe q, float width_rad) {
+    // Two nodes at a standard deviation to each side of the mean: blurred by .6 of it nothing between them is missed; nor between
+    // slices, whose width on the sphere of facets is twice as much of directions, blurred by its own standard deviation.
+    vec3 between = slice.first.direction - slice.second.direction;
+    float blur_rad = max(0.3 * length(between), 0.65 * width_rad * slice.first.v_dot_h);
+    return light_of_node(slice.first, area, seen, q, blur_rad) + light_of_node(slice.second, area, seen, q, blur_rad);
 }
 
 // What the lobe reflects of the lamp, without the weight of the lobe and the lamp's colour.
@@ -167,7 +191,19 @@ vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
     for (int once = 0; once < rectangle; ++once) {
         RectangleSlices slices = rectangle_slices(seen.outline, q.axes, q.view, q.form, count);
         for (int k = 0; k < count; ++k) {
-            sum += slice_colour(rectangle_slice(slices, count, k), area, seen, q);
+            float width = slice_place(slices.range, count, k).y;
+#ifdef TG_PICTURES
+            // A picture's detail needs more nodes than an even light.
+            if (count >= 8) {
+                SliceParts parts = rectangle_slice_fine(slices, count, k);
+                sum += slice_colour(parts.lower, area, seen, q, width) + slice_colour(parts.middle, area, seen, q, width) +
+                       slice_colour(parts.upper, area, seen, q, width);
+            } else {
+                sum += slice_colour(rectangle_slice(slices, count, k), area, seen, q, width);
+            }
+#else
+            sum += slice_colour(rectangle_slice(slices, count, k), area, seen, q, width);
+#endif
         }
     }
 #endif
@@ -183,23 +219,15 @@ vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
         for (int k = 0; k < count; ++k) {
 #ifdef TG_FINE
             SliceParts parts = disk_slice_fine(slices, count, k);
-            sum += slice_colour(parts.lower, area, seen, q) + slice_colour(parts.middle, area, seen, q) +
-                   slice_colour(parts.upper, area, seen, q);
+            sum += slice_colour(parts.lower, area, seen, q, 0.0) + slice_colour(parts.middle, area, seen, q, 0.0) +
+                   slice_colour(parts.upper, area, seen, q, 0.0);
 #else
-            sum += slice_colour(disk_slice(slices, count, k), area, seen, q);
+            sum += slice_colour(disk_slice(slices, count, k), area, seen, q, 0.0);
 #endif
         }
     }
 #endif
     return sum * seen.radiance;
-}
-
-// Where a point of the lamp is seen, not of unit length. at: in a rectangle's square of half side 1, else in a disk of radius 1.
-vec3 lamp_point(TgArea area, AreaSeen seen, vec2 at) {
-    TangentFrame around = tangent_frame(seen.axis, area.axis_x.xyz);
-    vec3 on_cone = seen.axis + (around.tangent * at.x + around.bitangent * at.y) * tan(seen.angle_rad);
-    vec3 on_flat = seen.outline.centre + area.axis_x.xyz * (at.x * area.size.x) + area.axis_y.xyz * (at.y * area.size.y);
-    return seen.kind <= TG_AREA_ELLIPSE ? on_flat : on_cone;
 }
 
 // Mean of area_emission over the lamp: at sixteen points of it, along a spiral or, in a rectangle, a lattice.

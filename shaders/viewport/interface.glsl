@@ -29,8 +29,8 @@ struct TgSpot {
 struct TgArea {
     vec4 place;  // centre; sun: unit vector to it; kind
     vec4 colour; // as TgLight's
-    vec4 axis_x; // flat: unit axis of half_u; spot: as TgSpot's
-    vec4 axis_y; // flat: unit axis of half_v, it shines towards x cross y; spot: as TgSpot's
+    vec4 axis_x; // flat: unit axis of half_u; spot: as TgSpot's. w: number of its picture, from 1; 0 for none
+    vec4 axis_y; // flat: unit axis of half_v, it shines towards x cross y; spot: as TgSpot's. w: the caster that it is itself, from 1
     vec4 axis_z; // spot: as TgSpot's. w: 1 where things hide the lamp
     vec4 size;   // flat: half_u, half_v, tangent of half its spread (0: all directions), 1/(that less the angle);
                  // sphere: radius, 1 where its falloff is soft; spot: the same, blend, cosine of half the cone; sun: half angle
@@ -58,6 +58,18 @@ struct TgCasters {
     vec4 count; // casters, least height of a ray's start above a matt surface, colours
     TgCaster caster[TG_CASTER_CAPACITY];
     vec4 colour[TG_CASTER_COLOURS]; // albedo
+};
+
+struct TgPicture {
+    vec4 to_u;                     // of (x/half_u, y/half_v, 1) on the lamp
+    vec4 to_v;
+    vec4 info;                     // levels, texels along the side of a square as large as a quarter of the lamp
+    vec4 level[TG_PICTURE_LEVELS]; // x, y, width, height in texels, without the border of one
+};
+
+struct TgPictures {
+    vec4 atlas; // 1/width, 1/height
+    TgPicture picture[TG_PICTURE_CAPACITY];
 };
 
 struct TgLights {
@@ -96,6 +108,7 @@ struct TgNormalMap {
 struct TgPlain {
     vec4 albedo; // rgb, index of refraction
     vec4 gloss;  // ln_mu_deg, metallic
+    vec4 shine;  // rgb of its own light, number of its picture, from 1; 0 for none
 };
 
 // Only where the wavelength loop is measured against the table (TG_BENCH_61).

@@ -90,7 +90,11 @@ vec3 mirrored_light(MirroredThing thing, LightNode node, AreaLobe q, int number)
 #ifdef TG_SHADOWS
             irradiance *= area_share_seen(area, area_seen_past(seen, area, start, -1), thing.normal, 1, float(number));
 #endif
-            sum += area.colour.xyz * irradiance * row_rgb(int(area.colour.w), node, q);
+            vec3 colour = area.colour.xyz * irradiance;
+#ifdef TG_PICTURES
+            colour *= matt_picture(area, seen, thing.normal);
+#endif
+            sum += colour * row_rgb(int(area.colour.w), node, q);
         }
     }
 #endif

@@ -3,6 +3,9 @@
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
 #include "viewport/casters.glsl"
+#ifdef TG_PICTURES
+#include "viewport/pictures.glsl"
+#endif
 
 vec3 light_rgb(int row) {
     return table.rgb[row * TG_TABLE_SIZE].xyz;
@@ -35,6 +38,9 @@ vec3 node_colour(LightNode node, AreaLobe q) {
 vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
     vec3 matt = plain.albedo.xyz * ((1.0 - plain.gloss.y) / TG_PI);
     vec3 sum = seen.radiance > 0.0 ? matt * area_irradiance(area, seen, q.axes.normal) : vec3(0.0);
+#ifdef TG_PICTURES
+    sum *= matt_picture(area, seen, q.axes.normal);
+#endif
     AreaSeen glossy = seen;
     float share = 1.0;
 #ifdef TG_SHADOWS
@@ -115,6 +121,15 @@ void main() {
         vec3 share = plain.albedo.xyz + vec3(fresnel_conductor(plain.albedo.w, 0.0, cos_r) * (1.0 - plain.gloss.y));
         sum += frame.world.xyz * light_rgb(int(frame.world.w)) * share;
     }
+#endif
+#ifdef TG_SHINES
+    // Once, however many passes over the lamps there are.
+    vec3 shine = object_state.z > -1.5 ? plain.shine.xyz : vec3(0.0);
+#ifdef TG_UV
+    vec2 texels = vec2(length(dFdx(v_uv)), length(dFdy(v_uv))) * pictures.picture[int(plain.shine.w) - 1].level[0].z;
+    shine *= picture_at(int(plain.shine.w) - 1, v_uv, 0.3 * max(texels.x, texels.y));
+#endif
+    sum += shine;
 #endif
     out_colour = vec4(finite_output(sum), 1.0);
 }

@@ -11,6 +11,9 @@
 #include "shared/model.glsl"
 #include "viewport/lights.glsl"
 #include "viewport/casters.glsl"
+#ifdef TG_PICTURES
+#include "viewport/pictures.glsl"
+#endif
 #include "viewport/steel_pixel.glsl"
 #ifdef TG_NORMAL_MAP
 #include "viewport/spread.glsl"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import togishi_core
 from togishi.core import packing
-from togishi.core.scene_data import Light, LightKind, PlainMaterial, World
+from togishi.core.scene_data import LampPicture, Light, LightKind, PlainMaterial, World
 
 pytestmark = pytest.mark.gpu
 
@@ -65,9 +65,23 @@ def materials(scenes, name: str):
     )
 
 
+def grey_of(picture: LampPicture, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The first channel at places of the lamp, between texels."""
+    height, width = picture.pixels.shape[:2]
+    at = np.stack([x, y, np.ones_like(x)])
+    column = np.clip(np.asarray(picture.to_u) @ at * width - 0.5, 0.0, width - 1.0)
+    row = np.clip(np.asarray(picture.to_v) @ at * height - 0.5, 0.0, height - 1.0)
+    left, low = np.minimum(column.astype(int), width - 2), np.minimum(row.astype(int), height - 2)
+    a, b = column - left, row - low
+    grey = picture.pixels[..., 0]
+    return (1.0 - b) * ((1.0 - a) * grey[low, left] + a * grey[low, left + 1]) + b * (
+        (1.0 - a) * grey[low + 1, left] + a * grey[low + 1, left + 1]
+    )
+
+
 def points_on(light: Light, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(P, K, 3) directions to points of the lamp, (P, K) irradiance of each on a surface facing it: Gauss-Legendre."""
-    x, wx = np.polynomial.legendre.leggauss(56)
+    x, wx = np.polynomial.legendre.leggauss(56 if light.picture is None else 160)
     if light.kind in {LightKind.RECTANGLE, LightKind.ELLIPSE}:
         if light.kind is LightKind.RECTANGLE:
             u, v = np.meshgrid(x, x)
@@ -87,7 +101,10 @@ def points_on(light: Light, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         direction = to / distance[..., None]
         cosine = np.maximum(direction @ np.asarray(light.z_axis), 0.0)
         radiance = light.power / (math.pi * weight.sum())
-        return direction, radiance * weight.reshape(-1) * cosine / distance**2
+        weight = weight.reshape(-1)
+        if light.picture is not None:
+            weight = weight * grey_of(light.picture, u.reshape(-1), v.reshape(-1))
+        return direction, radiance * weight * cosine / distance**2
     if light.kind is LightKind.SUN:
         axis = np.broadcast_to(np.asarray(light.to_light), points.shape)
         axis = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
@@ -179,6 +196,68 @@ def test_agrees_with_the_reference(scenes, renderer, lamp, kind):
         )
         assert error.max() <= most
         assert error.mean() <= mean
+
+
+def window() -> LampPicture:
+    """Bars before a sky that grows brighter upwards and to one side, turned and mirrored on the lamp."""
+    v, u = np.meshgrid((np.arange(128) + 0.5) / 128, (np.arange(64) + 0.5) / 64, indexing="ij")
+    sky = 0.3 + 0.7 * v + 0.5 * u * (1.0 - v)
+    sky[(np.abs(u - 0.5) < 0.05) | (np.abs(v - 0.6) < 0.08)] = 0.0
+    pixels = np.repeat(sky[..., None], 3, axis=-1).astype(np.float32)
+    return LampPicture(pixels, to_u=(0.0, -0.5, 0.5), to_v=(0.45, 0.0, 0.5))
+
+
+# As LIMITS. Bars are as wide as half of what a broad lobe's node sees.
+PICTURE_LIMITS = {False: (5.5, 0.75), True: (22.0, 3.5)}
+
+
+@pytest.mark.parametrize("mu_deg", [1.0, 2.0, 8.0])
+def test_a_lamp_with_a_picture_agrees_with_the_reference(scenes, renderer, mu_deg):
+    lamp = dataclasses.replace(RECTANGLE, half_v=0.6, picture=window())
+    material = scenes.isotropic_blade(mu_deg)
+    camera = scenes.look_at((0.0, -3.5, 1.2))
+    scene = scenes.scene_of(scenes.sphere(), material, (lamp,))
+    inputs = renderer.gbuffer(scene, camera, SIZE)
+    even = dataclasses.replace(lamp, picture=None)
+    lit = renderer.draw(
+        scenes.scene_of(scenes.sphere(), material, (even,)), camera, SIZE, float32=True
+    ).read()[..., 1]
+    rows = np.argwhere(inputs.covered & (lit > 1e-2 * lit.max()))
+    rows = np.random.default_rng(3).permutation(rows)[:64]
+    chosen = np.zeros(inputs.covered.shape, bool)
+    chosen[rows[:, 0], rows[:, 1]] = True
+    expected = reference_rgb(inputs, chosen, camera, material, lamp)
+    without = reference_rgb(inputs, chosen, camera, material, even)
+    # The picture matters.
+    assert np.abs(expected / np.maximum(without, 1e-9) - 0.6).max() > 0.15
+    for moving, (most, mean) in PICTURE_LIMITS.items():
+        picture = renderer.draw(scene, camera, SIZE, float32=True, moving=moving).read()[..., :3]
+        error = 100.0 * np.abs(picture[chosen] - expected) / expected.max()
+        print(f"{mu_deg}, moving {moving}: max {error.max():.2f} %, mean {error.mean():.3f} %")
+        assert error.max() <= most
+        assert error.mean() <= mean
+
+
+def test_a_matt_surface_under_a_lamp_with_a_picture(scenes, renderer):
+    """By sixteen points of the picture."""
+    lamp = dataclasses.replace(RECTANGLE, half_v=0.6, picture=window())
+    matt = PlainMaterial((0.5, 0.5, 0.5), ior=1.0)
+    camera = scenes.look_at((0.0, -3.5, 1.2))
+    blade = scenes.scene_of(scenes.sphere(), scenes.isotropic_blade(), (lamp,))
+    inputs = renderer.gbuffer(blade, camera, SIZE)
+    scene = scenes.scene_of(scenes.sphere(), matt, (lamp,))
+    picture = renderer.draw(scene, camera, SIZE, float32=True).read()[..., :3]
+    rows = np.random.default_rng(3).permutation(np.argwhere(inputs.covered))[:200]
+    at = (rows[:, 0], rows[:, 1])
+    turn = camera.view[:3, :3]
+    world = (inputs.position[at].astype(np.float64) - camera.view[:3, 3]) @ turn
+    normal = inputs.normal[at].astype(np.float64) @ turn
+    direction, irradiance = points_on(lamp, world)
+    cosine = np.maximum(np.einsum("pkc,pc->pk", direction, normal), 0.0)
+    expected = (irradiance * cosine).sum(axis=1) * 0.5 / math.pi
+    error = np.abs(picture[at] - expected[:, None]) / expected.max()
+    print(f"{100 * error.max():.2f} %")
+    assert error.max() <= 0.05
 
 
 @pytest.mark.parametrize("lamp", LAMPS)

@@ -374,3 +374,86 @@ def test_shadows_as_in_cycles(addon, tmp_path, kind, setup):
     print(apart.mean(), np.percentile(apart, 98.0))
     assert apart.mean() < 0.003
     assert np.percentile(apart, 98.0) < 0.025
+
+
+def window_picture(engine: str, turn_deg: float, shader: str, path: str) -> np.ndarray:
+    """(36, 48, 3) linear RGB: a rectangle that shines with a picture of four colours, above a grey floor."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_plane_add(size=8.0)
+    grey = bpy.data.materials.new("grey")
+    grey.use_nodes = True
+    grey.node_tree.nodes.clear()
+    diffuse = grey.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+    output = grey.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    grey.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    bpy.context.object.data.materials.append(grey)
+    image = bpy.data.images.new("panes", 64, 32, float_buffer=True)
+    pixels = np.ones((32, 64, 4), np.float32)
+    pixels[:16, :32, :3], pixels[:16, 32:, :3] = (1.0, 0.1, 0.1), (0.1, 1.0, 0.1)
+    pixels[16:, :32, :3], pixels[16:, 32:, :3] = (0.1, 0.1, 1.0), (1.0, 1.0, 0.2)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    bpy.ops.mesh.primitive_plane_add(size=1.0, location=(0.2, 0.4, 0.45))
+    window = bpy.context.object
+    window.scale = (1.6, 0.8, 1.0)
+    window.rotation_euler = (math.radians(80.0), 0.0, math.radians(turn_deg))
+    shining = bpy.data.materials.new("window")
+    shining.use_nodes = True
+    tree = shining.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    if shader == "principled":
+        node = tree.nodes["Principled BSDF"]
+        node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+        node.inputs["Specular IOR Level"].default_value = 0.0
+        node.inputs["Emission Strength"].default_value = 2.0
+        tree.links.new(texture.outputs[0], node.inputs["Emission Color"])
+    else:
+        node = tree.nodes.new("ShaderNodeEmission")
+        node.inputs["Strength"].default_value = 2.0
+        tree.links.new(texture.outputs[0], node.inputs["Color"])
+        end = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+        tree.links.new(node.outputs[0], end.inputs["Surface"])
+    window.data.materials.append(shining)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.0, -2.2, 1.4), (math.radians(60.0), 0.0, 0.0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.togishi.samples = 16
+    return rendered(scene, engine, (48, 36), 512, path)
+
+
+@pytest.mark.parametrize(
+    ("turn_deg", "shader"), [(0.0, "emission"), (180.0, "emission"), (25.0, "principled")]
+)
+def test_a_rectangle_that_shines_with_a_picture_as_in_cycles(addon, tmp_path, turn_deg, shader):
+    """Seen itself, from its front and its back, and by the coloured light that it throws on the floor."""
+    ours = window_picture("TOGISHI", turn_deg, shader, str(tmp_path / "ours.exr"))
+    cycles = window_picture("CYCLES", turn_deg, shader, str(tmp_path / "cycles.exr"))
+    apart = np.abs(ours - cycles) / cycles.max()
+    print(apart.mean(), np.percentile(apart, 95.0))
+    floor = slice(0, 14)
+    assert cycles[floor].std(axis=1).max() > 0.03, "the floor shows its colours"
+    np.testing.assert_allclose(
+        ours[floor].mean(axis=0), cycles[floor].mean(axis=0), rtol=0.06, atol=0.01 * cycles.max()
+    )
+    assert apart[floor].mean() < 0.01
+    assert np.percentile(apart, 90.0) < 0.02
+
+
+def test_a_ball_that_shines_is_bright_and_said_to_light_nothing(addon, tmp_path):
+    from togishi.engine.scene_sync import SceneSync
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    material = bpy.data.materials.new("lamp")
+    material.use_nodes = True
+    material.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 3.0
+    bpy.context.object.data.materials.append(material)
+    sync = SceneSync()
+    data = sync.update(bpy.context.evaluated_depsgraph_get())
+    assert not data.lights
+    assert any("is no single rectangle" in message for message in sync.messages)
+    assert max(next(iter(data.materials.values())).shine) == pytest.approx(3.0)

@@ -18,6 +18,8 @@ from .scene_data import (
     F32,
     F64,
     Camera,
+    Instance,
+    LampPicture,
     Light,
     LightKind,
     MapData,
@@ -265,6 +267,7 @@ def light_variant(passes: Sequence[LightPass], world: World, *, fine: bool = Tru
         environment=not world.black and world.environment is not None,
         rectangles=LightKind.RECTANGLE in kinds,
         rounds=rounds,
+        pictures=any(light.picture is not None for p in passes for light in p.areas),
         # Rectangles gain nothing by it (docs/light.md).
         fine=fine and rounds,
     )
@@ -296,8 +299,15 @@ def _colour(light: Light, light_pass: LightPass) -> F64:
     return colour
 
 
-def areas_block(light_pass: LightPass, camera: ViewSpace) -> F32:
-    """TgAreas."""
+def areas_block(
+    light_pass: LightPass,
+    camera: ViewSpace,
+    pictures: Sequence[LampPicture] = (),
+    things: Sequence[Instance] = (),
+) -> F32:
+    """TgAreas. pictures, and things that hide lamps: in the order of their numbers."""
+    thing_numbers = {id(thing): number + 1 for number, thing in enumerate(things)}
+    numbers = {id(picture): number + 1 for number, picture in enumerate(pictures)}
     block = np.zeros((AREA_CAPACITY, 6, 4), np.float32)
     for i, light in enumerate(light_pass.areas):
         block[i, 0, :3] = _place(light, camera)
@@ -318,6 +328,8 @@ def areas_block(light_pass: LightPass, camera: ViewSpace) -> F32:
         else:
             # It shines towards u x v, Blender's along -z.
             block[i, 2, :3], block[i, 3, :3] = axes[:, 0], -axes[:, 1]
+            block[i, 2, 3] = numbers.get(id(light.picture), 0)
+            block[i, 3, 3] = thing_numbers.get(id(light.thing), 0)
             block[i, 5] = (light.half_u, light.half_v, *_spread(light.spread_rad))
     return block
 
@@ -386,9 +398,10 @@ def normal_map_block(maps: NormalMapData) -> F32:
     return block
 
 
-def plain_block(material: PlainMaterial) -> F32:
-    """TgPlain."""
-    block = np.zeros((2, 4), np.float32)
+def plain_block(material: PlainMaterial, picture: int = 0) -> F32:
+    """TgPlain. picture: number of its own, from 1."""
+    block = np.zeros((3, 4), np.float32)
+    block[2] = (*material.shine, picture)
     block[0] = (*material.albedo, material.ior)
     block[1, :2] = (material.gloss_ln_mu_deg, material.metallic)
     return block

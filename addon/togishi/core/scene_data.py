@@ -88,6 +88,16 @@ class SteelMaterial:
         return constant or (self.maps is not None and self.maps.anisotropic)
 
 
+@dataclass(frozen=True, eq=False)
+class LampPicture:
+    """What a rectangle shines with, times its colour. Where x and y run from -1 to 1 along the lamp's x_axis and y_axis, the
+    picture's own coordinates (0 to 1, v upwards) are to_u . (x, y, 1) and to_v . (x, y, 1)."""
+
+    pixels: F32  # (H, W, 3) linear RGB, sides powers of two up to 1024, rows from the bottom
+    to_u: tuple[float, float, float] = (0.5, 0.0, 0.5)
+    to_v: tuple[float, float, float] = (0.0, 0.5, 0.5)
+
+
 @dataclass(frozen=True)
 class PlainMaterial:
     """Anything else: an albedo and a gloss."""
@@ -96,6 +106,8 @@ class PlainMaterial:
     ior: float = 1.5
     gloss_ln_mu_deg: float = 2.5
     metallic: float = 0.0
+    shine: tuple[float, float, float] = (0.0, 0.0, 0.0)  # radiance of its own light
+    picture: LampPicture | None = None  # that multiplies it
 
 
 @dataclass(frozen=True)
@@ -154,6 +166,8 @@ class Light:
     half_v: float = 0.0  # along y_axis
     spread_rad: float = math.pi  # flat: whole angle that it shines into
     shadows: bool = False  # whether things hide it
+    picture: LampPicture | None = None  # of a rectangle
+    thing: Instance | None = None  # whose surface shines: it does not hide its own light
 
     @property
     def sized(self) -> bool:

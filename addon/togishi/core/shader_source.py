@@ -18,6 +18,9 @@ AREA_CAPACITY = 64
 # Bits of a whole number in GLSL.
 CASTER_CAPACITY = 30
 CASTER_COLOURS = 64
+# Pictures that rectangles shine with, two for a surface with two sides; levels of one: sides of 1024 texels at most.
+PICTURE_CAPACITY = 16
+PICTURE_LEVELS = 11
 # Texels to a row of the casters' trees.
 TREE_WIDTH = 4096
 STEEL_CAPACITY = 1024
@@ -79,6 +82,7 @@ class LightVariant:
     # Lamps of a size: rectangles, and what has a round outline; fine: the latter for a picture at rest.
     rectangles: bool = False
     rounds: bool = False
+    pictures: bool = False  # some rectangles shine with one
     fine: bool = False
     shadows: bool = False  # things hide lamps
     mirrored: bool = False  # steel mirrors things; no part of programs without steel
@@ -172,6 +176,8 @@ _SIZES = {
     "TG_CASTER_CAPACITY": str(CASTER_CAPACITY),
     "TG_CASTER_COLOURS": str(CASTER_COLOURS),
     "TG_TREE_WIDTH": str(TREE_WIDTH),
+    "TG_PICTURE_CAPACITY": str(PICTURE_CAPACITY),
+    "TG_PICTURE_LEVELS": str(PICTURE_LEVELS),
     "TG_STEEL_CAPACITY": str(STEEL_CAPACITY),
     "TG_TABLE_SIZE": str(TABLE_SIZE),
     "TG_TABLE_ROWS": str(TABLE_ROWS),
@@ -218,6 +224,8 @@ def _program(
         ("TG_AREAS", "viewport/areas.glsl"),
         ("TG_FILTERED", "viewport/pixel_step.glsl"),
         ("TG_CASTERS", "viewport/casters.glsl"),
+        ("TG_PICTURES", "viewport/pictures.glsl"),
+        ("TG_PICTURES", "viewport/area_pictures.glsl"),
         ("TG_SURROUNDINGS", "viewport/environment.glsl"),
         ("TG_ENVIRONMENT", "viewport/environment_read.glsl"),
         ("TG_MIRRORED", "viewport/mirrored.glsl"),
@@ -249,6 +257,8 @@ def _light_blocks(lights: LightVariant) -> tuple[tuple[str, str], ...]:
         blocks.append(("TgEnvironment", "environment"))
     if lights.shadows or lights.mirrored:
         blocks.append(("TgCasters", "casters"))
+    if lights.pictures:
+        blocks.append(("TgPictures", "pictures"))
     return tuple(blocks)
 
 
@@ -256,6 +266,8 @@ def _light_samplers(lights: LightVariant) -> tuple[tuple[str, str], ...]:
     samplers = [("FLOAT_2D", "environment_atlas")] if lights.environment else []
     if lights.shadows or lights.mirrored:
         samplers.append(("FLOAT_2D", "trees"))
+    if lights.pictures:
+        samplers.append(("FLOAT_2D", "pictures_atlas"))
     return tuple(samplers)
 
 
@@ -403,8 +415,14 @@ def steel_direction_program(steel: SteelVariant) -> ProgramSource:
 
 
 @cache
-def plain_program(lights: LightVariant, *, output_max: float = HALF_MAX) -> ProgramSource:
-    """Everything that is not polished steel."""
+def plain_program(
+    lights: LightVariant,
+    *,
+    shines: bool = False,
+    pictured: bool = False,
+    output_max: float = HALF_MAX,
+) -> ProgramSource:
+    """Everything that is not polished steel. shines: with light of its own; pictured: with a picture of it."""
     lights = replace(lights, mirrored=False)
     defines = {
         **lights.defines(),
@@ -412,6 +430,14 @@ def plain_program(lights: LightVariant, *, output_max: float = HALF_MAX) -> Prog
         "TG_NORMAL": "",
         "TG_POSITION": "",
     }
+    attributes = [("VEC3", "position"), ("VEC4", "normal_part")]
+    varyings = [("smooth", "VEC3", "v_position"), ("smooth", "VEC3", "v_normal")]
+    if shines:
+        defines["TG_SHINES"] = ""
+    if pictured:
+        defines["TG_UV"] = ""
+        attributes.append(("VEC2", "uv"))
+        varyings.append(("smooth", "VEC2", "v_uv"))
     return _program(
         "togishi_plain",
         "viewport/surface.vert.glsl",
@@ -419,8 +445,8 @@ def plain_program(lights: LightVariant, *, output_max: float = HALF_MAX) -> Prog
         defines,
         (("TgFrame", "frame"), ("TgPlain", "plain"), *_light_blocks(lights)),
         (("VEC4", "out_colour"),),
-        attributes=(("VEC3", "position"), ("VEC4", "normal_part")),
-        varyings=(("smooth", "VEC3", "v_position"), ("smooth", "VEC3", "v_normal")),
+        attributes=tuple(attributes),
+        varyings=tuple(varyings),
         samplers=_light_samplers(lights),
         push_constants=_OBJECT_PUSH,
     )

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 from mathutils import Matrix
 
 from ..core.scene_data import Environment
 from ..core.surroundings import prepare
-from .image_maps import image_key
+from .image_maps import image_key, linear_pixels
 from .node_links import feeding_node
 
 Rows = tuple[tuple[float, float, float], ...]
@@ -60,15 +59,6 @@ def _rows(matrix: Matrix) -> Rows:
     return tuple(tuple(float(value) for value in row) for row in matrix)
 
 
-def _linear(image: bpy.types.Image, pixels: np.ndarray) -> np.ndarray:
-    """Blender hands over the numbers of 8-bit files as the file has them."""
-    if image.is_float or image.colorspace_settings.name in {"Non-Color", "Linear Rec.709"}:
-        return pixels
-    low = pixels / 12.92
-    high = ((pixels + 0.055) / 1.055) ** 2.4
-    return np.where(pixels <= 0.04045, low, high).astype(np.float32)
-
-
 def read_environment(
     texture: bpy.types.ShaderNodeTexEnvironment, known: KnownEnvironment
 ) -> Environment:
@@ -81,11 +71,8 @@ def read_environment(
     key = (*image_key(image), image.colorspace_settings.name)
     if known.environment is not None and known.key == key:
         return known.environment
-    width, height = image.size
-    if width <= 0 or height <= 0 or image.channels < 3:
+    pixels = linear_pixels(image)
+    if pixels is None:
         raise SurroundingsError(f"image {image.name!r} cannot be read")
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    rows = pixels.reshape(height, width, image.channels)[..., :3]
-    known.environment, known.key = prepare(_linear(image, rows)), key
+    known.environment, known.key = prepare(pixels), key
     return known.environment

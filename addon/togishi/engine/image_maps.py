@@ -25,6 +25,23 @@ def image_key(image: bpy.types.Image) -> tuple[object, ...]:
     )
 
 
+def linear_pixels(image: bpy.types.Image) -> np.ndarray | None:
+    """(H, W, 3) float32 linear RGB, row 0 at the bottom; None where there are no pixels or no colours."""
+    image = image.original if image.is_evaluated else image
+    width, height = image.size
+    if width <= 0 or height <= 0 or image.channels < 3:
+        return None
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    colours = pixels.reshape(height, width, image.channels)[..., :3]
+    # Blender hands over the numbers of 8-bit files as the file has them.
+    if image.is_float or image.colorspace_settings.name in {"Non-Color", "Linear Rec.709"}:
+        return colours
+    low = colours / 12.92
+    high = ((colours + 0.055) / 1.055) ** 2.4
+    return np.where(colours <= 0.04045, low, high).astype(np.float32)
+
+
 def image_pixels(image: bpy.types.Image) -> np.ndarray:
     """(H, W, 4) float32, row 0 at the bottom. Raises MapError where there are no pixels."""
     image = image.original if image.is_evaluated else image

@@ -35,6 +35,9 @@ def read_plain(material: bpy.types.Material | None) -> PlainMaterial:
         roughness = _value(surface, "Roughness", 0.5) if principled else 1.0
         metallic = _value(surface, "Metallic", 0.0) if principled else 0.0
         ior = _value(surface, "IOR", 1.5) if principled else 1.0
+    elif surface is not None and surface.type == "EMISSION":
+        # It shines (emission_read.py) and reflects nothing.
+        return PlainMaterial((0.0, 0.0, 0.0), ior=1.0, gloss_ln_mu_deg=DEFAULT.gloss_ln_mu_deg)
     else:
         colour = material.diffuse_color
         roughness, metallic, ior = material.roughness, material.metallic, 1.5

@@ -24,7 +24,7 @@ from gpu.types import (
     GPUVertFormat,
 )
 
-from ..core import pace, packing, shader_source, surroundings
+from ..core import lamp_pictures, pace, packing, shader_source, surroundings
 from ..core.casters import Casters, Tree, casters_block, casters_of, texels_of, tree_of
 from ..core.packing import LightPass, ViewSpace
 from ..core.sampling import pixel_offsets
@@ -33,6 +33,7 @@ from ..core.scene_data import (
     Camera,
     Environment,
     Instance,
+    LampPicture,
     MapData,
     MeshData,
     NormalMapData,
@@ -40,7 +41,7 @@ from ..core.scene_data import (
     SceneData,
     SteelMaterial,
 )
-from ..core.shader_source import ProgramSource, SteelVariant
+from ..core.shader_source import LightVariant, ProgramSource, SteelVariant
 from ..core.tables import Tables
 from .programs import Block, build, float_buffer
 
@@ -168,6 +169,7 @@ class _PlainItem:
     batch: GPUBatch
     key: str
     material: PlainMaterial
+    program: ProgramSource
     own: int = -1  # of a blade's nakago: the blade's number among the casters
 
 
@@ -248,12 +250,14 @@ class Renderer:
         self._rect: GPUBatch | None = None
         self._steels: list[_Steel] = []
         self._plains: list[_PlainItem] = []
-        self._plain_program: ProgramSource | None = None
         self._passes: list[LightPass] = []
         self._has_areas = False
         self._environment: _GpuEnvironment | None = None
         self._trees: dict[int, tuple[MeshData, Tree]] = {}
         self._traced = _Traced()
+        self._pictures: tuple[LampPicture, ...] = ()
+        self._picture_atlas: GPUTexture | None = None
+        self._unhung: list[str] = []
         self._slices = RESTING_SLICES
         self._series = (0, 1)
         self._rays = (0, 0)
@@ -339,7 +343,12 @@ class Renderer:
             for known, drawn in (*self._maps.values(), *self._normal_maps.values())
             if len(drawn.data.levels) < len(known.levels)
         ]
-        return [*self.tables.problems.values(), *coarser, *self._traced.casters.left_out]
+        return [
+            *self.tables.problems.values(),
+            *coarser,
+            *self._traced.casters.left_out,
+            *self._unhung,
+        ]
 
     def prepare_lights(self, scene: SceneData) -> None:
         """Everything that a changed light costs before the next picture: its table row and its block."""
@@ -517,9 +526,10 @@ class Renderer:
         spots = self._block("spots", index)
         if light_pass.counts.spots or not spots.made:
             self._set(spots, packing.spots_block(light_pass, space))
+        things = [caster.instance for caster in self._traced.casters.casters]
         areas = self._block("areas", index)
         if light_pass.areas or (self._has_areas and not areas.made):
-            self._set(areas, packing.areas_block(light_pass, space))
+            self._set(areas, packing.areas_block(light_pass, space, self._pictures, things))
         self.counters.light_passes += 1
 
     def _bind_lights(self, shader: GPUShader, source: ProgramSource, index: int) -> None:
@@ -532,6 +542,10 @@ class Renderer:
             shader.uniform_block("areas", self._block("areas", index).buffer)
         if "environment" in names:
             self._bind_environment(shader)
+        if "pictures" in names:
+            assert self._picture_atlas is not None
+            shader.uniform_block("pictures", self._block("pictures").buffer)
+            shader.uniform_sampler("pictures_atlas", self._picture_atlas)
         if "casters" in names:
             assert self._traced.texture is not None
             shader.uniform_block("casters", self._block("casters").buffer)
@@ -635,25 +649,28 @@ class Renderer:
         return shader
 
     def _draw_plains(self, scene: SceneData, space: ViewSpace, index: int) -> None:
-        source = self._plain_program
-        assert source is not None
         gpu.state.depth_test_set("LESS_EQUAL" if index == 0 else "EQUAL")
         gpu.state.depth_mask_set(index == 0)
         gpu.state.blend_set("NONE" if index == 0 else "ADDITIVE")
-        shader = self._shader(source)
-        shader.bind()
-        self._bind_lights(shader, source, index)
-        shader.uniform_block("table", self._table("", scene, index).buffer)
-        bound: PlainMaterial | None = None
+        bound: tuple[ProgramSource, PlainMaterial] | None = None
         for item in self._plains:
-            if item.material is not bound:
-                bound = item.material
+            if bound is None or bound[0] is not item.program:
+                shader = self._shader(item.program)
+                shader.bind()
+                self._bind_lights(shader, item.program, index)
+                shader.uniform_block("table", self._table("", scene, index).buffer)
+                bound = None
+            if bound is None or item.material is not bound[1]:
+                bound = (item.program, item.material)
                 block = self._block("plain", item.key)
-                if block.tag != item.material:
-                    self._set(block, packing.plain_block(item.material))
-                    block.tag = item.material
+                tag = (item.material, self._picture_number(item.material.picture))
+                if block.tag != tag:
+                    self._set(block, packing.plain_block(*tag))
+                    block.tag = tag
                 shader.uniform_block("plain", block.buffer)
-            self._push_object(shader, item.instance, space, item.own + 1, -1.0)
+            # What shines does so in the first pass.
+            later = -1.0 if index == 0 else -2.0
+            self._push_object(shader, item.instance, space, item.own + 1, later)
             item.batch.draw(shader)
             self.counters.draw_calls += 1
 
@@ -735,7 +752,7 @@ class Renderer:
         )
         self._has_areas = lights.areas
         self._slices = MOVING_SLICES if moving else RESTING_SLICES
-        self._plain_program = shader_source.plain_program(lights, output_max=output_max)
+        self._hang_pictures(lamp_pictures.pictures_of(scene.lights))
         groups: dict[tuple[str, SteelVariant], list[tuple[Instance, _GpuMesh, GPUBatch]]] = {}
         self._plains = []
         for instance in scene.instances:
@@ -744,15 +761,19 @@ class Renderer:
                 key, material = _material(scene, instance, group.slot)
                 batch = mesh.batches[group.slot, group.nakago]
                 if isinstance(material, PlainMaterial):
-                    self._plains.append(_PlainItem(instance, batch, key, material))
+                    program = self._plain_program(lights, material, mesh.data, output_max)
+                    self._plains.append(_PlainItem(instance, batch, key, material, program))
                 elif group.nakago:
                     own = casters.number_of(instance)
-                    nakago = _PlainItem(instance, batch, f"{key}/nakago", material.nakago, own)
+                    program = self._plain_program(lights, material.nakago, mesh.data, output_max)
+                    nakago = _PlainItem(
+                        instance, batch, f"{key}/nakago", material.nakago, program, own
+                    )
                     self._plains.append(nakago)
                 else:
                     variant = steel_variant(material.steel, mesh.data, filtered=scene.filtered)
                     groups.setdefault((key, variant), []).append((instance, mesh, batch))
-        self._plains.sort(key=lambda item: item.key)
+        self._plains.sort(key=lambda item: (item.program.defines, item.key))
         self._steels = []
         used = {name for _key, variant in groups for _format, _kind, name in variant.targets}
         layout = tuple(name for name in shader_source.STEEL_TARGETS if name in used)
@@ -771,6 +792,35 @@ class Renderer:
             )
             self._steels.append(_Steel(number, key, blade.steel, variant, second, items))
         self._prepared = prepared
+
+    def _hang_pictures(self, pictures: list[LampPicture]) -> None:
+        """What rectangles shine with, in one texture that is made again only where a picture changed."""
+        most = shader_source.PICTURE_CAPACITY
+        hung = tuple(pictures[:most])
+        self._unhung = (
+            [
+                f"{len(pictures)} rectangles shine with a picture; the first {most} do, the rest are white."
+            ]
+            if len(pictures) > most
+            else []
+        )
+        if hung == self._pictures:
+            return
+        self._pictures = hung
+        atlas = lamp_pictures.atlas_of(hung)
+        height, width, _channels = atlas.texels.shape
+        self._picture_atlas = (
+            GPUTexture((width, height), format="RGBA16F", data=float_buffer(atlas.texels))
+            if hung
+            else None
+        )
+        if hung:
+            self._set(self._block("pictures"), lamp_pictures.pictures_block(hung, atlas))
+        self.counters.map_uploads += len(hung)
+
+    def _picture_number(self, picture: LampPicture | None) -> int:
+        """From 1; 0 where it is none of those that are hung."""
+        return next((i + 1 for i, hung in enumerate(self._pictures) if hung is picture), 0)
 
     def _trace(self, casters: Casters) -> None:
         """The trees of what rays may meet, in one texture that is made again only where a mesh changed."""
@@ -797,6 +847,16 @@ class Renderer:
             )
         places_of = [self._traced.place_of[id(caster.mesh)] for caster in casters.casters]
         self._traced = replace(self._traced, casters=casters, places=tuple(places_of))
+
+    def _plain_program(
+        self, lights: LightVariant, material: PlainMaterial, mesh: MeshData, output_max: float
+    ) -> ProgramSource:
+        return shader_source.plain_program(
+            lights,
+            shines=max(material.shine) > 0.0,
+            pictured=self._picture_number(material.picture) > 0 and mesh.uv is not None,
+            output_max=output_max,
+        )
 
     def _upload(self, scene: SceneData) -> None:
         for key, mesh in scene.meshes.items():

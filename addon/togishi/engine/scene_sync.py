@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
 import bpy
@@ -20,8 +21,10 @@ from ..core.scene_data import (
     Material,
     MeshData,
     NormalMapData,
+    PlainMaterial,
     SceneData,
 )
+from .emission_read import Emission, KnownPictures, lamps_of, read_emission, rectangle_of
 from .environment_read import KnownEnvironment
 from .image_maps import MapError, image_key, read_maps, read_normal_map
 from .light_read import read_light, read_world
@@ -49,6 +52,9 @@ class SceneSync:
         self._materials: dict[str, tuple[int, Material, str]] = {}
         self._maps: dict[tuple[object, ...], MapData | str] = {}
         self._normal_maps: dict[tuple[object, ...], NormalMapData | str] = {}
+        self._emissions: dict[str, Emission] = {}  # by material's key
+        self._pictures = KnownPictures()
+        self._shining: list[Light] = []  # rectangles of the last reading
         self._light_objects: list[int] = []
         self._instanced_lights = False
         self._environment = KnownEnvironment()
@@ -119,6 +125,7 @@ class SceneSync:
     ) -> SceneData:
         self._light_objects, self._instanced_lights = [], False
         self._light_notes, self._other_notes = [], []
+        self._shining = []
         self._meshes = {k: v for k, v in self._meshes.items() if not k.startswith(_GENERATED)}
         lights: list[Light] = []
         instances: list[Instance] = []
@@ -147,20 +154,21 @@ class SceneSync:
                 key, mesh = self._mesh(obj, item.is_instance, keys)
                 if mesh is not None and mesh.groups:
                     meshes[key] = mesh
-                    instances.append(
-                        Instance(
-                            key,
-                            matrix_array(item.matrix_world),
-                            keys,
-                            casts=bool(obj.visible_shadow),
-                            mirrored=bool(obj.visible_glossy),
-                        )
+                    instance = Instance(
+                        key,
+                        matrix_array(item.matrix_world),
+                        keys,
+                        casts=bool(obj.visible_shadow),
+                        mirrored=bool(obj.visible_glossy),
                     )
+                    instances.append(instance)
+                    self._read_shining(obj, instance, materials)
         self._meshes = {key: known for key, known in self._meshes.items() if key in meshes}
         for name in materials:
             note = self._materials[name][2]
             if note:
                 self._other_notes.append(note)
+        self._other_notes = list(dict.fromkeys(self._other_notes))
         world, note = read_world(depsgraph.scene_eval.world, self._environment)
         if note:
             self._light_notes.append(note)
@@ -168,7 +176,7 @@ class SceneSync:
             meshes=meshes,
             instances=tuple(instances),
             materials=materials,
-            lights=tuple(lights),
+            lights=(*lights, *self._shining),
             world=world,
             colour=self._colour(depsgraph),
             transparent=depsgraph.scene_eval.render.film_transparent,
@@ -192,6 +200,7 @@ class SceneSync:
             if view3d is not None and not obj.original.visible_in_viewport_get(view3d):
                 continue
             lights.append(read_light(obj.data, matrix_array(obj.matrix_world)))
+        lights += self._shining
         world, note = read_world(depsgraph.scene_eval.world, self._environment)
         if note:
             self._light_notes.append(note)
@@ -243,6 +252,7 @@ class SceneSync:
             return known[1]
         note = ""
         data: Material = read_plain(material)
+        self._emissions[key] = Emission()
         if material is not None and properties.is_blade(material):
             try:
                 maps, note = self._material_maps(material)
@@ -251,9 +261,41 @@ class SceneSync:
                 data = blade_material(properties.material_dict(material), maps, normal_map)
             except (native.CoreMissingError, ValueError) as error:
                 note = f"Material {material.name!r}: {error}"
+        if isinstance(data, PlainMaterial):
+            self._emissions[key] = read_emission(material)
+            note = self._emissions[key].note
+            data = replace(data, shine=self._emissions[key].radiance)
         uid = -1 if material is None else material.original.session_uid
         self._materials[key] = (uid, data, note)
         return data
+
+    def _read_shining(
+        self,
+        obj: bpy.types.Object,
+        instance: Instance,
+        materials: dict[str, Material],
+    ) -> None:
+        """The lamps that an object is which shines."""
+        for key in dict.fromkeys(instance.materials):
+            emission, material = self._emissions[key], materials[key]
+            if emission.dark or not isinstance(material, PlainMaterial):
+                continue
+            rectangle = rectangle_of(obj.data)
+            lamps = (
+                [] if rectangle is None else lamps_of(rectangle, instance, emission, self._pictures)
+            )
+            self._shining += lamps
+            if lamps:
+                materials[key] = replace(material, picture=lamps[0].picture)
+                continue
+            self._other_notes.append(
+                f"Object {obj.name!r} shines but is no single rectangle: it is drawn bright and lights nothing."
+            )
+            if emission.image is not None:
+                whole = self._pictures.picture(emission.image, (0.5, 0.0, 0.5), (0.0, 0.5, 0.5))
+                mean = 1.0 if whole is None else whole.pixels.mean(axis=(0, 1))
+                shine = np.asarray(emission.radiance) * mean
+                materials[key] = replace(material, shine=tuple(shine.tolist()))
 
     def _material_maps(self, material: bpy.types.Material) -> tuple[MapData | None, str]:
         lobes, shape = properties.blade_images(material)
