@@ -34,11 +34,11 @@ void check(const TriangleMesh& mesh, std::size_t normals, std::size_t groups) {
     }
     if (normals != mesh.positions.size()) {
         throw InputError("mesh", "normals", std::to_string(normals),
-                         "one for each of the " + std::to_string(mesh.positions.size()) + " vertices");
+                         std::to_string(mesh.positions.size()) + ", as vertices");
     }
     if (groups != mesh.triangles.size()) {
         throw InputError("mesh", "groups", std::to_string(groups),
-                         "one for each of the " + std::to_string(mesh.triangles.size()) + " triangles");
+                         std::to_string(mesh.triangles.size()) + ", as triangles");
     }
     for (const Triangle& t : mesh.triangles) {
         for (const std::uint32_t v : t) {

@@ -25,7 +25,8 @@ struct Traced {
     explicit Traced(TriangleMesh m) : mesh(std::move(m)), normals(mesh.positions) {
         for (glm::vec3& n : normals) n = glm::length(n) > 0 ? n : glm::vec3(0, 0, 1);
         std::vector<std::uint16_t> groups(mesh.triangles.size());
-        for (std::size_t t = 0; t < groups.size(); ++t) groups[t] = static_cast<std::uint16_t>(t % 7);
+        for (std::size_t t = 0; t < groups.size(); ++t)
+            groups[t] = static_cast<std::uint16_t>(t % 7);
         const RayTree tree = ray_tree(mesh, normals, groups);
         texels = tree.nodes;
         nodes = static_cast<int>(tree.nodes.size());
@@ -33,18 +34,18 @@ struct Traced {
     }
 };
 
-#define TG_TEST_TRACE(name, ns, real, vec)                                                         \
-    ns::TreeHit name(const Traced& t, const glm::dvec3& origin, const glm::dvec3& direction,       \
-                     double reach, bool any) {                                                     \
-        tree_texels = t.texels.data();                                                             \
-        return ns::ray_meets_tree({0, t.nodes / 2, t.nodes}, vec(origin), vec(direction),          \
-                                  static_cast<real>(reach), any);                                  \
+#define TG_TEST_TRACE(name, ns, real, vec)                                                   \
+    ns::TreeHit name(const Traced& t, const glm::dvec3& origin, const glm::dvec3& direction, \
+                     double reach, bool any) {                                               \
+        tree_texels = t.texels.data();                                                       \
+        return ns::ray_meets_tree({0, t.nodes / 2, t.nodes}, vec(origin), vec(direction),    \
+                                  static_cast<real>(reach), any);                            \
     }
 TG_TEST_TRACE(trace32, f32, float, glm::vec3)
 TG_TEST_TRACE(trace64, f64, double, glm::dvec3)
 
-// The nearest triangle, each solved for by itself; nothing where the ray passes an edge so near that
-// rounding decides.
+// The nearest triangle, each solved for by itself; nothing where the ray passes an edge so near
+// that rounding decides.
 struct Plain {
     double distance = std::numeric_limits<double>::infinity();
     bool doubtful = false;
@@ -88,7 +89,8 @@ TEST(RayTree, FindsWhatASearchOfEveryTriangleFinds) {
         int hits = 0;
         for (int i = 0; i < 3000; ++i) {
             const glm::dvec3 origin(place(draw), place(draw), place(draw));
-            const glm::dvec3 direction = glm::dvec3(place(draw), place(draw), place(draw)) * 0.3 - origin;
+            const glm::dvec3 direction =
+                glm::dvec3(place(draw), place(draw), place(draw)) * 0.3 - origin;
             const Plain plain = by_every_triangle(t.mesh, origin, direction);
             if (plain.doubtful) continue;
             const auto in_double = trace64(t, origin, direction, 100, false);
