@@ -48,11 +48,11 @@ class Surface {
 
     [[nodiscard]] Sample at(double a, double s) const {
         if (const auto* r = std::get_if<RectangleLight>(&light_))
-            return flat(r->centre, r->half_u, r->half_v, 2 * a - 1, 2, {-1, 1}, s);
+            return flat(r->centre, r->half_u, r->half_v, 2 * a - 1, 2, {-1, 1}, s, r->emission);
         if (const auto* e = std::get_if<EllipseLight>(&light_)) {
             const double angle = pi * (a - 0.5), chord = std::cos(angle);
             return flat(e->centre, e->half_u, e->half_v, std::sin(angle), pi * chord,
-                        {-chord, chord}, s);
+                        {-chord, chord}, s, {});
         }
         return cap(a, s);
     }
@@ -77,15 +77,18 @@ class Surface {
     /// Line u, of which d(a) is du_da wide.
     [[nodiscard]] Sample flat(const glm::dvec3& centre, const glm::dvec3& half_u,
                               const glm::dvec3& half_v, double u, double du_da, Range line,
-                              double s) const {
+                              double s,
+                              const std::function<double(double, double)>& emission) const {
         const glm::dvec3 start = centre + u * half_u;
         const Range part = above(glm::dot(normal_, start), glm::dot(normal_, half_v), line);
-        const glm::dvec3 p = start + (part.lo + (part.hi - part.lo) * s) * half_v;
+        const double v = part.lo + (part.hi - part.lo) * s;
+        const glm::dvec3 p = start + v * half_v;
         const double r2 = glm::dot(p, p);
         const double facing = -glm::dot(glm::cross(half_u, half_v), p);
         if (!(facing > 0 && r2 > 0)) return {glm::dvec3(0.0), 0, 0};
         const double r = std::sqrt(r2);
-        return {p / r, facing / (r2 * r) * (part.hi - part.lo) * du_da, 1};
+        return {p / r, facing / (r2 * r) * (part.hi - part.lo) * du_da,
+                emission ? emission(u, v) : 1};
     }
 
     /// The directions of a cap, by their projection on the plane across its axis: a disk.

@@ -5,6 +5,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <variant>
 
 #include <glm/glm.hpp>
@@ -15,6 +16,9 @@ namespace togishi {
 /// emits to the side that cross(half_u, half_v) points to, evenly over all directions.
 struct RectangleLight {
     glm::dvec3 centre, half_u, half_v;
+    /// What multiplies its radiance at (u, v), as a picture does; empty: 1 everywhere. The error
+    /// estimate holds where it is smooth over a cell; its jumps are halved down to.
+    std::function<double(double u, double v)> emission = {};
 };
 
 /// The same with u^2 + v^2 <= 1: an ellipse where half_u and half_v are perpendicular.

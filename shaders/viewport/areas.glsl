@@ -8,6 +8,8 @@
 #define TG_AREA_ELLIPSE 1
 #define TG_AREA_SPOT 3
 #define TG_AREA_SUN 4
+// Where all of a lamp is so far from the mirror direction that D is below 1e-7 of its peak, nothing is reflected.
+#define TG_DARK_AREA 16.0
 
 // A lamp as the pixel's point sees it.
 struct AreaSeen {
@@ -113,7 +115,7 @@ vec3 lamp_point(TgArea area, AreaSeen seen, vec2 at) {
 // Whether the lobe reflects any of the lamp: its facets are at least half as far from N as L is from the mirror direction.
 bool area_reached(AreaSeen seen, AreaLobe q) {
     vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
-    float away = min(seen.bound_rad + 2.0 * sqrt(TG_DARK_EXPONENT / q.widest), TG_PI);
+    float away = min(seen.bound_rad + 2.0 * sqrt(TG_DARK_AREA / q.widest), TG_PI);
     return seen.radiance > 0.0 && dot(mirror, seen.axis) >= cos(away);
 }
 
@@ -149,7 +151,7 @@ float area_point_seen(AreaSeen seen, vec3 direction) {
 AreaSeen seen_by_lobe(AreaSeen all, AreaLobe q, int own) {
     AreaSeen seen = all;
     vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
-    float reach_rad = min(2.0 * sqrt(TG_DARK_EXPONENT / q.widest), TG_PI);
+    float reach_rad = min(2.0 * sqrt(TG_DARK_AREA / q.widest), TG_PI);
     int times = all.before != 0 ? 1 : 0;
     for (int once = 0; once < times; ++once) {
         seen.before = all.before & casters_towards(all.start, mirror, reach_rad, TG_FAR, own, TG_CASTS);
@@ -182,10 +184,9 @@ vec3 slice_colour(LightSlice slice, TgArea area, AreaSeen seen, AreaLobe q, floa
     return light_of_node(slice.first, area, seen, q, blur_rad) + light_of_node(slice.second, area, seen, q, blur_rad);
 }
 
-// What the lobe reflects of the lamp, without the weight of the lobe and the lamp's colour.
-vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q) {
+// What the lobe reflects of the lamp in `count` slices, without the weight of the lobe and the lamp's colour.
+vec3 area_reflection(TgArea area, AreaSeen seen, AreaLobe q, int count) {
     vec3 sum = vec3(0.0);
-    int count = int(frame.view.z);
 #ifdef TG_RECTANGLES
     int rectangle = seen.kind == TG_AREA_RECTANGLE ? 1 : 0;
     for (int once = 0; once < rectangle; ++once) {

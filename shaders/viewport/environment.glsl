@@ -89,6 +89,9 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
     // No drawn facet is farther out than 5 standard deviations.
     float reach_rad = min(5.0 * sqrt(major), TG_PI);
     int about = casters_towards(q.place, mirror, reach_rad, TG_FAR, q.own, TG_SHOWS);
+#ifndef TG_ENVIRONMENT
+    count = about != 0 ? count : 0;
+#endif
 #endif
     for (int k = 0; k < count; ++k) {
         vec2 place = vec2(environment_tap_place(taps, count, k), 0.0);
@@ -134,7 +137,7 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
             lit_weights += weight;
         }
     }
-    float scale = TG_PI / (q.form.scale * weights);
+    float scale = TG_PI / (q.form.scale * max(weights, 1.0e-20));
     seen.world *= scale;
     seen.things *= scale;
     seen.open = lit_weights > 0.0 ? open / lit_weights : 1.0;

@@ -52,10 +52,12 @@ vec3 reflect_area(TgArea area, AreaSeen seen, AreaLobe q) {
     glossy.before = plain.gloss.x > TG_BROAD_GLOSS ? 0 : seen.before;
     share = plain.gloss.x > TG_BROAD_GLOSS ? share : 1.0;
 #endif
+    // And shows none of its outline's detail.
+    int slices = plain.gloss.x > TG_BROAD_GLOSS ? 4 : int(frame.view.z);
     bool shines = plain.albedo.w > 1.0 || plain.gloss.y > 0.0;
     int times = shines && area_reached(seen, q) ? 1 : 0;
     for (int once = 0; once < times; ++once) {
-        sum += area_reflection(area, glossy, q) * (share * lobe_normalised_weight(q.form));
+        sum += area_reflection(area, glossy, q, slices) * (share * lobe_normalised_weight(q.form));
     }
     return area.colour.xyz * light_rgb(int(area.colour.w)) * sum;
 }

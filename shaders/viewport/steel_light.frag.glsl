@@ -237,32 +237,57 @@ float weight_of(SteelLobe l) {
     return l.share * (l.own_weight < 0.0 ? lobe_normalised_weight(l.lobe.form) : l.own_weight);
 }
 
-// What the pixel reflects of a lamp of a size.
-vec3 reflect_area(TgArea area, AreaSeen seen, Steel s) {
-    vec3 sum = vec3(0.0);
+// A lamp of a size and one of the pixel's lobes: number `pair` of all such.
+struct AreaPair {
+    AreaSeen seen;
+    SteelLobe lobe;
+    bool reached; // whether the lobe reflects any of the lamp
+};
+
+AreaPair area_pair(int pair, vec3 place, Steel s) {
+    int lamp = pair / TG_LOBES;
+    TgArea area = areas.area[lamp];
+    AreaPair p;
+    p.seen = area_seen(area, place);
+    p.lobe = steel_lobe(pair - TG_LOBES * lamp, int(area.colour.w), s);
 #ifdef TG_FILTERED
     // From the mirror direction or, where the lamp is elsewhere, from its middle.
     vec3 mirror = s.axes.normal * (2.0 * s.n_dot_v) - s.view;
-    vec3 from = dot(mirror, seen.axis) > cos(min(seen.bound_rad, TG_PI)) ? mirror : seen.axis;
-    Facet right = facet_turn(s.axes, s.view, from, seen.nearness, s.right);
-    Facet up = facet_turn(s.axes, s.view, from, seen.nearness, s.up);
+    vec3 from = dot(mirror, p.seen.axis) > cos(min(p.seen.bound_rad, TG_PI)) ? mirror : p.seen.axis;
+    Facet right = facet_turn(s.axes, s.view, from, p.seen.nearness, s.right);
+    Facet up = facet_turn(s.axes, s.view, from, p.seen.nearness, s.up);
+    p.lobe = widened(p.lobe, right, up);
 #endif
-    for (int number = 0; number < TG_LOBES; ++number) {
-        SteelLobe l = steel_lobe(number, int(area.colour.w), s);
-#ifdef TG_FILTERED
-        l = widened(l, right, up);
-#endif
-        l.lobe.widest = max(least(l.lobe.form), 1.0e-6);
-        int times = l.share > 0.0 && area_reached(seen, l.lobe) ? 1 : 0;
-        for (int once = 0; once < times; ++once) {
-#ifdef TG_SHADOWS
-            sum += area_reflection(area, seen_by_lobe(seen, l.lobe, s.own), l.lobe) * weight_of(l);
-#else
-            sum += area_reflection(area, seen, l.lobe) * weight_of(l);
-#endif
+    p.lobe.lobe.widest = max(least(p.lobe.lobe.form), 1.0e-6);
+    p.reached = p.lobe.share > 0.0 && area_reached(p.seen, p.lobe.lobe);
+    return p;
+}
+
+// What the pixel reflects of all lamps of a size. Each pixel goes from one pair that it reflects to the next: the slices are
+// most of the work, and a compiler that takes both sides of a branch computes them once for each turn of the outer loop only.
+vec3 reflect_areas(vec3 place, Steel s) {
+    vec3 sum = vec3(0.0);
+    int pairs = s.n_dot_v > TG_MIN_COS ? int(frame.view.y) * TG_LOBES : 0;
+    int pair = 0;
+    for (int turn = 0; turn < pairs; ++turn) {
+        bool found = false;
+        while (pair < pairs && !found) {
+            found = area_pair(pair, place, s).reached;
+            pair += found ? 0 : 1;
         }
+        if (!found) {
+            break;
+        }
+        AreaPair p = area_pair(pair, place, s);
+        TgArea area = areas.area[pair / TG_LOBES];
+#ifdef TG_SHADOWS
+        p.seen = area_seen_past(p.seen, area, s.place, s.own);
+        p.seen = seen_by_lobe(p.seen, p.lobe.lobe, s.own);
+#endif
+        sum += area.colour.xyz * area_reflection(area, p.seen, p.lobe.lobe, int(frame.view.z)) * weight_of(p.lobe);
+        ++pair;
     }
-    return area.colour.xyz * sum;
+    return sum;
 }
 
 #ifdef TG_SURROUNDINGS
@@ -363,14 +388,7 @@ void main() {
     vec3 sum = vec3(0.0);
 #include "viewport/loop.glsl"
 #ifdef TG_AREAS
-    int area_count = s.n_dot_v > TG_MIN_COS ? int(frame.view.y) : 0;
-    for (int i = 0; i < area_count; ++i) {
-        AreaSeen seen = area_seen(areas.area[i], place);
-#ifdef TG_SHADOWS
-        seen = area_seen_past(seen, areas.area[i], s.place, s.own);
-#endif
-        sum += reflect_area(areas.area[i], seen, s);
-    }
+    sum += reflect_areas(place, s);
 #endif
     float open = 1.0;
 #ifdef TG_SURROUNDINGS

@@ -37,6 +37,7 @@ AREAS: Mapping[str, Sequence[Path]] = {
         BENCH / "light_frames.py",
         BENCH / "light_exhibition.py",
         BENCH / "light_f12.py",
+        BENCH / "light_parts.py",
     ],
     "capture": [
         BENCH / "capture_diffuse.py",

@@ -39,6 +39,17 @@ RectangleLight rectangle_at(const glm::dvec3& centre, double half_u, double half
     return {centre, half_u * u, half_v * glm::cross(f.normal, u)};
 }
 
+// What a rectangle emits at the point that is seen in a direction; 1 of other lights.
+double emitted(const AreaLight& light, const glm::dvec3& direction) {
+    const auto* r = std::get_if<RectangleLight>(&light);
+    if (!r || !r->emission) return 1;
+    const glm::dvec3 facing = glm::cross(r->half_u, r->half_v);
+    const glm::dvec3 at =
+        direction * (glm::dot(r->centre, facing) / glm::dot(direction, facing)) - r->centre;
+    return r->emission(glm::dot(at, r->half_u) / glm::dot(r->half_u, r->half_u),
+                       glm::dot(at, r->half_v) / glm::dot(r->half_v, r->half_v));
+}
+
 // The shared formula in the precision of the namespace, with F = 1 and normalised ji.
 #define TG_TEST_EVALUATE(name, ns, real, vec)                                                      \
     double name(const AreaLightPoint& p, const AreaLight& light, int slices, bool fine) {          \
@@ -51,8 +62,9 @@ RectangleLight rectangle_at(const glm::dvec3& centre, double half_u, double half
         double sum = 0;                                                                            \
         const auto add = [&](const ns::LightNode& n) {                                             \
             if (n.measure == 0) return;                                                            \
-            sum += static_cast<double>(                                                            \
-                n.measure * ns::shadowing_over_cos_r(n.n_dot_h, n_dot_v, n.n_dot_l, n.v_dot_h));   \
+            sum += emitted(light, glm::dvec3(n.direction)) *                                       \
+                   static_cast<double>(n.measure * ns::shadowing_over_cos_r(                       \
+                                                       n.n_dot_h, n_dot_v, n.n_dot_l, n.v_dot_h)); \
         };                                                                                         \
         const auto add_slice = [&](const ns::LightSlice& s) { add(s.first), add(s.second); };      \
         const auto add_parts = [&](const ns::SliceParts& h) {                                      \
@@ -117,6 +129,47 @@ TEST(AreaLightReference, IsThePlainSumOverTheLight) {
         sum *= 4 * glm::length(light.half_u) * glm::length(light.half_v) / (n * n);
         EXPECT_NEAR(reference_area_light(p, light).value / sum, 1, 2e-5) << incidence;
     }
+}
+
+// A window: brighter upwards, with a bar across it.
+double window(double u, double v) {
+    return std::abs(u - 0.1) < 0.15 ? 0 : 1 + 0.5 * v;
+}
+
+TEST(AreaLightReference, APictureIsASumOfItsPanes) {
+    const auto p = point_at(35, 8, 4, 20);
+    const glm::dvec3 centre = 2.0 * mirrored(p) + glm::dvec3(0.2, 0.1, 0);
+    RectangleLight whole = rectangle_at(centre, 0.6, 0.3);
+    const auto pane = [&](double lo, double hi) {
+        RectangleLight part = whole;
+        part.centre += 0.5 * (lo + hi) * whole.half_u;
+        part.half_u *= 0.5 * (hi - lo);
+        part.emission = [](double, double v) { return 1 + 0.5 * v; };
+        return reference_area_light(p, part).value;
+    };
+    const double panes = pane(-1, -0.05) + pane(0.25, 1);
+    whole.emission = window;
+    EXPECT_NEAR(reference_area_light(p, whole, 1e-5).value / panes, 1, 1e-4);
+}
+
+TEST(AreaLight, NodesSeeThePicture) {
+    double even_share = 0;
+    for (const double incidence : {0.0, 40.0, 65.0}) {
+        for (const double mu : {0.5, 3.0, 10.0}) {
+            const auto p = point_at(incidence, mu, mu, 0);
+            RectangleLight light =
+                rectangle_at(2.0 * mirrored(p) + glm::dvec3(0.1, 0.05, 0), 0.6, 0.3);
+            const double even = reference_area_light(p, light).value;
+            light.emission = [](double u, double v) {
+                return 1 + 0.6 * std::sin(3 * u) + 0.3 * std::cos(4 * v);
+            };
+            const double exact = reference_area_light(p, light).value;
+            even_share = std::max(even_share, std::abs(exact / even - 1));
+            EXPECT_NEAR(shared_double(p, light, 16, true) / exact, 1, 0.012) << incidence << mu;
+            EXPECT_NEAR(shared_double(p, light, 4, false) / exact, 1, 0.2) << incidence << mu;
+        }
+    }
+    EXPECT_GT(even_share, 0.1);  // the picture matters
 }
 
 TEST(AreaLightReference, ConvergesToItsOwnEstimate) {

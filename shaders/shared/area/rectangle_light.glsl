@@ -102,11 +102,11 @@ TG_FN SliceCut rectangle_cut(RectangleSlices r, float alpha) {
     return cut_plane(s, r.edge_3);
 }
 
-// An end of alpha, moved on in growing steps (step: 1 or -1) while the slice beyond it is lit.
-TG_FN float rectangle_end(RectangleSlices r, float end, float limit, float step) {
+// An end of alpha, moved on in growing steps (step: 1 or -1; `probes` at most) while the slice beyond it is lit.
+TG_FN float rectangle_end(RectangleSlices r, float end, float limit, float step, int probes) {
     float found = end;
     float beyond = float(0.1) * r.pencil.sigma;
-    for (int i = 0; i < 6; i = i + 1) {
+    for (int i = 0; i < probes; i = i + 1) {
         float next = found + step * beyond;
         if ((limit - next) * step <= float(0.0) || slice_light(rectangle_cut(r, next)) < float(0.02)) {
             return i > 0 ? found + float(0.5) * step * beyond : found;
@@ -114,7 +114,7 @@ TG_FN float rectangle_end(RectangleSlices r, float end, float limit, float step)
         found = next;
         beyond = float(2.0) * beyond;
     }
-    return limit;
+    return probes > 0 ? limit : end;
 }
 
 TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame axes, vec3 view, LobeForm form, int count) {
@@ -189,9 +189,12 @@ TG_FN RectangleSlices rectangle_slices(FlatLight light, TangentFrame axes, vec3 
     ends.y = touches_horizon(r, true) ? max(ends.y, reach.y) : ends.y;
     // Its brightest point is in the light whatever its sides say.
     ends = vec2(min(ends.x, alpha), max(ends.y, alpha));
-    // Where a bent light goes on beyond the ends that its sides gave.
-    ends.x = rectangle_end(r, ends.x, reach.x, float(-1.0));
-    ends.y = rectangle_end(r, ends.y, reach.y, float(1.0));
+    // Where a bent light goes on beyond the ends that its sides gave: only one that is large from here and near the horizon.
+    bool large = max(light.half_u, light.half_v) > float(0.2) * length(light.centre);
+    bool low = dot(axes.normal, light.centre) < float(1.5) * (light.half_u + light.half_v);
+    int probes = large && low ? 6 : 0;
+    ends.x = rectangle_end(r, ends.x, reach.x, float(-1.0), probes);
+    ends.y = rectangle_end(r, ends.y, reach.y, float(1.0), probes);
     if (flat_light_height(light) <= float(0.0)) {
         ends = vec2(float(0.0), float(0.0));
     }
