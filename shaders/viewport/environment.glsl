@@ -59,22 +59,29 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
     float sigma = sqrt(minor);
     vec3 long_turn = (e1 * axis.x + e2 * (axis.y / cosine)) * (0.5 * sigma);
     vec3 short_turn = (e2 * (axis.x / cosine) - e1 * axis.y) * (0.5 * sigma);
-#ifdef TG_MIRRORED
-    // Things are not blurred beforehand: rays through the whole lobe, others in each sample that is added.
-    bool drawn = true;
-    int facets = frame.view.z < 8.0 ? TG_FACETS_MOVING : TG_DRAWN_FACETS / 2;
-    float number = frame.series.w / max(frame.series.z, 1.0);
-    float samples = max(frame.series.y, number + 1.0);
-#else
     bool drawn = frame.series.y >= TG_LEAST_SERIES;
     int facets = TG_DRAWN_FACETS;
     float number = frame.series.x;
     float samples = frame.series.y;
+#ifdef TG_MIRRORED
+    vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
+    // No drawn facet is farther out than 5 standard deviations.
+    int about = casters_towards(q.place, mirror, min(5.0 * sqrt(major), TG_PI), TG_FAR, q.own, TG_SHOWS);
+    if (about != 0) {
+        // Things are not blurred beforehand: rays through the whole lobe, others in each sample that is added.
+        drawn = true;
+        facets = frame.view.z < 8.0 ? TG_FACETS_MOVING : TG_DRAWN_FACETS / 2;
+        number = frame.series.w / max(frame.series.z, 1.0);
+        samples = max(frame.series.y, number + 1.0);
+    }
 #endif
     int drawn_before = int(number + 0.5) * facets;
     // Each drawn facet stands for what lies around it: the more, the less; its own width is no part of the spread of all.
     float own = 0.8 * sqrt(2.0 * TG_PI * min(aspect, 20.0) / (samples * float(facets)));
     own = clamp(own, 0.01, 0.9);
+#ifndef TG_ENVIRONMENT
+    own = 0.01; // nothing is blurred beforehand
+#endif
     vec2 drawn_spread = sqrt(vec2(min(aspect * aspect, 400.0), 1.0) - vec2(own * own));
     count = drawn ? facets : count;
     float variance = minor * (drawn ? own * own : taps.width * taps.width);
@@ -84,14 +91,8 @@ SurroundingsSeen surroundings_reflection(AreaLobe q) {
     float open = 0.0;
     float lit_weights = 0.0;
     float weights = 0.0;
-#ifdef TG_MIRRORED
-    vec3 mirror = q.axes.normal * (2.0 * q.n_dot_v) - q.view;
-    // No drawn facet is farther out than 5 standard deviations.
-    float reach_rad = min(5.0 * sqrt(major), TG_PI);
-    int about = casters_towards(q.place, mirror, reach_rad, TG_FAR, q.own, TG_SHOWS);
-#ifndef TG_ENVIRONMENT
+#if defined(TG_MIRRORED) && !defined(TG_ENVIRONMENT)
     count = about != 0 ? count : 0;
-#endif
 #endif
     for (int k = 0; k < count; ++k) {
         vec2 place = vec2(environment_tap_place(taps, count, k), 0.0);

@@ -265,3 +265,28 @@ def test_extreme_things(scenes, traced, renderer):
         scene = scene_of(things, [lamp, point], World((0.1, 0.1, 0.1)), mirror_things=True)
         # The thing itself is drawn too, so only what is too bright is asked for.
         assert picture(renderer, scene, camera).max() < 3.0 * whole.max()
+
+
+@pytest.mark.parametrize("mu_deg", [1.0, 8.0])
+def test_a_thing_in_the_mirror_is_as_blurred_as_the_lobe(scenes, traced, renderer, mu_deg):
+    """The edge of a white card over a flat blade: with many samples the mean over the lobe's facets, as a lamp of that shape
+    in its place is mirrored."""
+    blade = traced.box((-1.0, -1.0, -0.1), (1.0, 1.0, 0.0))
+    card = traced.box((-20.0, 2.0, -0.1), (0.0, 2.1, 20.0))
+    camera = scenes.look_at((0.0, -4.0, 2.0), fov_deg=12.0)
+    sun = Light(LightKind.SUN, to_light=(0.0, -1.0, 0.0), power=3.0)
+    steel = scenes.isotropic_blade(mu_deg)
+    white = PlainMaterial((0.8, 0.8, 0.8), ior=1.0, gloss_ln_mu_deg=3.0)
+    scene = scene_of([(blade, steel), (card, white)], [sun], mirror_things=True)
+    mirrored = gathered(renderer, scene, camera, 32)[40:56, :, 1]
+    # The same radiance to the same place: 0.8 3/pi over 20 x 20.1.
+    lamp = Light(
+        LightKind.RECTANGLE, position=(-10.0, 2.0, 9.95), power=0.8 * 3.0 * 20.0 * 20.1,
+        x_axis=(1.0, 0.0, 0.0), y_axis=(0.0, 0.0, -1.0), z_axis=(0.0, 1.0, 0.0),
+        half_u=10.0, half_v=10.05,
+    )  # fmt: skip
+    lit = picture(renderer, scene_of([(blade, steel)], [lamp]), camera)[40:56, :, 1]
+    error = np.abs(mirrored - lit) / lit.max()
+    assert lit.min() < 0.1 * lit.max()
+    assert error.max() < 0.05
+    assert error.mean() < 0.02
