@@ -373,7 +373,8 @@ def test_shadows_as_in_cycles(addon, tmp_path, kind, setup):
     apart = np.abs(ours - cycles)
     print(apart.mean(), np.percentile(apart, 98.0))
     assert apart.mean() < 0.003
-    assert np.percentile(apart, 98.0) < 0.025
+    # Sharp ends of shadows are filtered as outlines are.
+    assert np.percentile(apart, 98.0) < 0.04
 
 
 def window_picture(engine: str, turn_deg: float, shader: str, path: str) -> np.ndarray:
