@@ -24,7 +24,8 @@ void append(std::vector<glm::vec4>& texels, const BoxTree& tree, std::uint32_t n
         append(texels, tree, node.first, pad);
         append(texels, tree, node.first + 1, pad);
     }
-    texels[at].w = static_cast<float>(texels.size() / 2);
+    const std::size_t next = texels.size() / 2;
+    texels[at].w = static_cast<float>(next);
 }
 
 void check(const TriangleMesh& mesh, std::size_t normals, std::size_t groups) {

@@ -30,7 +30,8 @@ def _resample(side: int, wanted: int) -> F64:
     low, high = edges[:-1, None], edges[1:, None]
     old = np.arange(side)[None, :]
     cover = np.clip(np.minimum(high, old + 1) - np.maximum(low, old), 0.0, None)
-    return cover / cover.sum(axis=1, keepdims=True)
+    weights: F64 = cover / cover.sum(axis=1, keepdims=True)
+    return weights
 
 
 def power_of_two(pixels: F32) -> F32:
