@@ -69,7 +69,7 @@ class Toolchain:
         folder = self.folder / "include"
         machine = "x86_64-linux-gnu"
         (folder / machine).mkdir(parents=True, exist_ok=True)
-        for name in ("glm", "toml++", f"{machine}/python{version}"):
+        for name in ("glm", "toml++", "nlohmann", f"{machine}/python{version}"):
             link, target = folder / name, Path("/usr/include") / name
             if target.is_dir() and not link.is_symlink():
                 link.symlink_to(target)
