@@ -12,12 +12,11 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import blade_object, data_blocks
+from . import blade_object, data_blocks, scan_aside
 from .background_job import BackgroundJob
 from .core import scan_report
 from .scan_read import ScanArrays
 
-ASIDE = "aside"
 # FACE attribute: the part that the user painted; NOT_PAINTED elsewhere.
 PAINTED = "togishi_part_painted"
 NOT_PAINTED = -1
@@ -69,21 +68,6 @@ def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
     return collection
 
 
-def _plain_object(name: str, piece: Mapping[str, Any], unit_m: float) -> bpy.types.Object:
-    """A piece that was kept aside, where it lay beside the blade."""
-    mesh = bpy.data.meshes.new(name)
-    places = np.asarray(piece["positions_mm"], np.float32) * (blade_object.MM / unit_m)
-    triangles = np.asarray(piece["triangles"], np.int32)
-    mesh.vertices.add(len(places))
-    mesh.vertices.foreach_set("co", places.astype(np.float32).reshape(-1))
-    mesh.loops.add(triangles.size)
-    mesh.loops.foreach_set("vertex_index", triangles.reshape(-1))
-    mesh.polygons.add(len(triangles))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    return bpy.data.objects.new(name, mesh)
-
-
 def _image(name: str, pixels: Any, is_data: bool) -> bpy.types.Image:
     """(H, W, C), rows from v = 0; colours 8 bits, data in floats."""
     height, width, channels = pixels.shape
@@ -119,15 +103,7 @@ def place(
     material = blade_object.new_material(f"{name} steel")
     obj.data.materials.append(material)
     keep(obj, job, sword, about)
-    pieces = list(sword.aside)
-    if pieces:
-        beside = bpy.data.collections.new(f"{name} {ASIDE}")
-        collection.children.link(beside)
-        for index, piece in enumerate(pieces, 1):
-            other = _plain_object(f"{name} {ASIDE} {index}", piece, unit_m)
-            other.parent = obj
-            beside.objects.link(other)
-        beside.hide_render = True
+    scan_aside.put(obj, name, list(sword.aside), unit_m)
     for other in context.selected_objects:
         other.select_set(False)
     obj.select_set(True)
@@ -216,9 +192,11 @@ def painted(obj: bpy.types.Object) -> dict[str, Any] | None:
 def replace(context: bpy.types.Context, obj: bpy.types.Object, job: ScanJob, sword: Any) -> None:
     """The blade as it is understood now, in the same object. Material slots stay with their parts."""
     about = json.loads(obj.togishi.scan.about_json)
+    unit_m = context.scene.unit_settings.scale_length or 1.0
     slots = blade_object.slot_of_part(obj.data)
     obj.data.clear_geometry()
-    blade_object.fill_mesh(obj.data, sword, context.scene.unit_settings.scale_length or 1.0)
+    blade_object.fill_mesh(obj.data, sword, unit_m)
+    scan_aside.put(obj, job.path.stem, list(sword.aside), unit_m)
     blade_object.set_slots(obj.data, slots)
     if sword.painted is not None:
         attribute = obj.data.attributes.new(PAINTED, "INT", "FACE")

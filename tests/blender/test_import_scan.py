@@ -24,9 +24,8 @@ def write_ply(path: Path, places, triangles) -> None:
     path.write_bytes(header.encode() + np.asarray(places, "<f4").tobytes() + faces.tobytes())
 
 
-@pytest.fixture(scope="module")
-def scan_file(addon, tmp_path_factory) -> Path:
-    """A generated wakizashi in centimetres, turned, 0.02 mm of noise, under a name with a quote and Japanese."""
+def wakizashi():
+    """Places in mm and triangles of a generated wakizashi with 0.02 mm of noise, in its own axes."""
     from togishi.core import native
 
     katana = native.core().katana(
@@ -41,9 +40,27 @@ def scan_file(addon, tmp_path_factory) -> Path:
             for k in range(a + 1, b - 1)
         ]
     )
-    random = np.random.default_rng(1)
-    places += random.normal(0, 0.02, places.shape)
-    turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    return places + np.random.default_rng(1).normal(0, 0.02, places.shape), triangles
+
+
+def cube(centre_mm, size_mm: float):
+    """Places and triangles."""
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [(q[0], q[i], q[i + 1]) for q in sides for i in (1, 2)]
+    return centre_mm + 0.5 * size_mm * corners, np.array(triangles)
+
+
+def both(one, other):
+    """Two meshes as one."""
+    return np.concatenate([one[0], other[0]]), np.concatenate([one[1], other[1] + len(one[0])])
+
+
+@pytest.fixture(scope="module")
+def scan_file(addon, tmp_path_factory) -> Path:
+    """A wakizashi in centimetres, turned, under a name with a quote and Japanese."""
+    places, triangles = wakizashi()
+    turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     turn *= np.linalg.det(turn)
     path = tmp_path_factory.mktemp("scan") / "脇差 'Nr. 1'.ply"
     write_ply(path, places @ turn.T / 10 + (20, -10, 5), triangles)
@@ -116,3 +133,25 @@ def test_what_is_no_blade_is_refused_and_leaves_nothing(empty_file, tmp_path):
         len(bpy.data.meshes),
         len(bpy.data.images),
     )
+
+
+def test_pieces_kept_aside_follow_a_correction(empty_file, tmp_path):
+    places, triangles = both(wakizashi(), cube((100.0, 40.0, 60.0), 20.0))
+    write_ply(tmp_path / "stand.ply", places / 25.4, triangles)
+    obj = imported(tmp_path / "stand.ply", unit="inch")
+    (stand,) = obj.children
+    assert stand.users_collection[0].hide_render
+
+    def middle(piece):
+        return np.mean([v.co for v in piece.data.vertices], axis=0)
+
+    before = middle(stand)
+    assert before[0] == pytest.approx(0.1, abs=2e-3)
+    assert before[2] == pytest.approx(0.06, abs=4e-3)
+    stand.name = "Stand"
+    # It was in cm: blade and stand are as much smaller.
+    assert bpy.ops.object.togishi_scan_correct(change="unit", unit="cm") == {"FINISHED"}
+    (stand,) = obj.children
+    assert stand.name == "Stand"
+    assert middle(stand) == pytest.approx(before / 2.54, abs=1e-3)
+    assert len(bpy.data.collections) == 2
