@@ -23,42 +23,38 @@ NOT_PAINTED = -1
 
 
 class ScanJob(BackgroundJob):
-    """From a scan's arrays to a blade. The result is a togishi_core.ScannedSword with what the record needs."""
+    """From a scan to a blade. The result is a togishi_core.ScannedSword with what the record needs."""
 
     thread_name = "togishi-scan"
 
     def __init__(
         self,
         path: Path,
-        scan: ScanArrays,
+        scan: ScanArrays | None,
         options: Mapping[str, Any],
         painted: Mapping[str, Any] | None = None,
         sha256: str = "",
     ) -> None:
-        """sha256: of the file that it has to be; empty: any."""
+        """scan: None where the core reads the file itself. sha256: of the file that it has to be; empty: any."""
         super().__init__()
         self._sha256 = sha256
         self.path = path
         self.options = dict(options)
         self._painted = painted
-        self._scan: ScanArrays | None = scan
+        self._scan = scan
 
     def _compute(self) -> Any:
         scan, self._scan = self._scan, None  # the core may free what it has read
-        assert scan is not None
         self.source = scan_report.file_facts(self.path, "scan")
         if self._sha256 and self.source["sha256"] != self._sha256:
             raise self._core.InputError(
                 f"{self.path} is not the file any more that this blade came from"
             )
+        further = {"painted": self._painted, "progress": self._progress}
+        if scan is None:
+            return self._core.scan_import_file(self.path, self.options, **further)
         return self._core.scan_import(
-            scan.positions,
-            scan.triangles,
-            scan.colours,
-            scan.origin,
-            self.options,
-            painted=self._painted,
-            progress=self._progress,
+            scan.positions, scan.triangles, scan.colours, scan.origin, self.options, **further
         )
 
 
@@ -82,6 +78,12 @@ def _image(name: str, pixels: Any, is_data: bool) -> bpy.types.Image:
     return image
 
 
+def _fill(obj: bpy.types.Object, sword: Any, unit_m: float) -> None:
+    """The blade's mesh, in scene units, which the object remembers: the scene's may change."""
+    blade_object.fill_mesh(obj.data, sword, unit_m)
+    obj.togishi.scan.unit_m = unit_m
+
+
 def record_text(job: ScanJob, sword: Any, about: Mapping[str, str]) -> str:
     """The JSON-LD record of this import."""
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
@@ -97,8 +99,8 @@ def place(
     unit_m = scene.unit_settings.scale_length or 1.0
     collection = _collection(scene, name)
     mesh = bpy.data.meshes.new(name)
-    blade_object.fill_mesh(mesh, sword, unit_m)
     obj = bpy.data.objects.new(name, mesh)
+    _fill(obj, sword, unit_m)
     collection.objects.link(obj)
     material = blade_object.new_material(f"{name} steel")
     obj.data.materials.append(material)
@@ -163,9 +165,9 @@ def paint_part(obj: bpy.types.Object, part: int) -> int:
     return len(chosen)
 
 
-def painted(obj: bpy.types.Object) -> dict[str, Any] | None:
-    """The painted faces in the scan's own coordinates (mm), as togishi_core.scan_import takes them over; None where
-    nothing was painted."""
+def painted(obj: bpy.types.Object, mm_per_unit: float = 0.0) -> dict[str, Any] | None:
+    """The painted faces in the scan's own axes (mm, told from an origin), as togishi_core.scan_import takes them over;
+    None where nothing was painted. mm_per_unit: of the scan's file as it is to be read now; 0: as it was read."""
     mesh = obj.data
     attribute = mesh.attributes.get(PAINTED)
     if attribute is None:
@@ -174,19 +176,26 @@ def painted(obj: bpy.types.Object) -> dict[str, Any] | None:
     attribute.data.foreach_get("value", part)
     if (part == NOT_PAINTED).all():
         return None
-    pose = report_of(obj)["pose"]
+    report = report_of(obj)
+    pose = report["pose"]
+    was_mm = float(report["unit"]["mm_per_unit"])
+    larger = (mm_per_unit or was_mm) / was_mm
     places = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", places)
-    unit_m = bpy.context.scene.unit_settings.scale_length or 1.0
-    blade_mm = places.reshape(-1, 3).astype(float) * (unit_m / blade_object.MM)
-    # Blade = rotation (scan - origin).
-    scan_mm = blade_mm @ np.array(pose["rotation"], float) + np.array(pose["origin_mm"], float)
+    blade_mm = places.reshape(-1, 3).astype(float) * (obj.togishi.scan.unit_m / blade_object.MM)
+    # Blade = rotation (scan - origin). Told from the origin, which may be 1e5 mm away, floats keep micrometres.
+    from_origin_mm = blade_mm @ np.array(pose["rotation"], float) * larger
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
     faces = np.empty(len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", corners)
     mesh.loop_triangles.foreach_get("polygon_index", faces)
-    return {"positions_mm": scan_mm, "triangles": corners.reshape(-1, 3), "part": part[faces]}
+    return {
+        "origin_mm": [larger * v for v in pose["origin_mm"]],
+        "positions_mm": from_origin_mm.astype(np.float32),
+        "triangles": corners.reshape(-1, 3),
+        "part": part[faces],
+    }
 
 
 def replace(context: bpy.types.Context, obj: bpy.types.Object, job: ScanJob, sword: Any) -> None:

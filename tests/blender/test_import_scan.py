@@ -11,17 +11,18 @@ import numpy as np
 import pytest
 
 
-def write_ply(path: Path, places, triangles) -> None:
-    """Binary, little-endian."""
+def write_ply(path: Path, places, triangles, kind: str = "f4") -> None:
+    """Binary, little-endian; coordinates as floats or doubles (f8)."""
+    word = {"f4": "float", "f8": "double"}[kind]
     header = (
         "ply\nformat binary_little_endian 1.0\n"
-        f"element vertex {len(places)}\nproperty float x\nproperty float y\nproperty float z\n"
+        f"element vertex {len(places)}\nproperty {word} x\nproperty {word} y\nproperty {word} z\n"
         f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
     )
     faces = np.empty(len(triangles), [("count", "u1"), ("corner", "<i4", 3)])
     faces["count"] = 3
     faces["corner"] = triangles
-    path.write_bytes(header.encode() + np.asarray(places, "<f4").tobytes() + faces.tobytes())
+    path.write_bytes(header.encode() + np.asarray(places, f"<{kind}").tobytes() + faces.tobytes())
 
 
 def wakizashi():
@@ -155,3 +156,51 @@ def test_pieces_kept_aside_follow_a_correction(empty_file, tmp_path):
     assert stand.name == "Stand"
     assert middle(stand) == pytest.approx(before / 2.54, abs=1e-3)
     assert len(bpy.data.collections) == 2
+
+
+def paint(obj, x_range_m, part: str) -> None:
+    """By the operator, the faces whose middle lies between two places along the blade."""
+    import bmesh  # there once bpy is
+
+    low, high = x_range_m
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_mode(type="FACE")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    for face in bmesh.from_edit_mesh(obj.data).faces:
+        face.select_set(low < face.calc_center_median().x < high)
+    assert bpy.ops.mesh.togishi_scan_paint_part(part=part) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def painted_share(obj, x_range_m, part: int) -> tuple[float, float]:
+    """Of the faces between two places along the blade, and of those elsewhere, which have that part."""
+    middle = np.empty(3 * len(obj.data.polygons), np.float32)
+    obj.data.polygons.foreach_get("center", middle)
+    x = middle.reshape(-1, 3)[:, 0]
+    found = np.empty(len(obj.data.polygons), np.int32)
+    obj.data.attributes["togishi_part"].data.foreach_get("value", found)
+    inside = (x > x_range_m[0]) & (x < x_range_m[1])
+    return float((found[inside] == part).mean()), float((found[~inside] == part).mean())
+
+
+def test_painted_parts_stay_far_from_zero_and_in_another_scene_unit(empty_file, tmp_path):
+    places, triangles = wakizashi()
+    # 100 km away: a float has steps of 8 mm there.
+    write_ply(tmp_path / "far.ply", places + (1e8, -5e7, 2e7), triangles, "f8")
+    obj = imported(tmp_path / "far.ply", unit="mm")
+    assert dimension(obj, "nagasa_mm")["value"] == pytest.approx(455, abs=0.5)
+    paint(obj, (0.2, 0.25), "0")
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    assert bpy.ops.object.togishi_scan_correct(change="unit", unit="mm") == {"FINISHED"}
+    inside, elsewhere = painted_share(obj, (20.5, 24.5), 0)
+    assert inside > 0.98
+    assert elsewhere < 0.1
+
+
+def test_no_painting_needs_a_selection(empty_file, scan_file):
+    imported(scan_file)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="No faces are selected"):
+        bpy.ops.mesh.togishi_scan_paint_part(part="1")
+    bpy.ops.object.mode_set(mode="OBJECT")
