@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import resource
+import struct
+import time
 from itertools import pairwise
 from pathlib import Path
 
@@ -186,7 +189,7 @@ def painted_share(obj, x_range_m, part: int) -> tuple[float, float]:
 def test_painted_parts_stay_far_from_zero_and_in_another_scene_unit(empty_file, tmp_path):
     places, triangles = wakizashi()
     # 100 km away: a float has steps of 8 mm there.
-    write_ply(tmp_path / "far.ply", places + (1e8, -5e7, 2e7), triangles, "f8")
+    write_ply(tmp_path / "far.ply", places + np.array((1e8, -5e7, 2e7)), triangles, "f8")
     obj = imported(tmp_path / "far.ply", unit="mm")
     assert dimension(obj, "nagasa_mm")["value"] == pytest.approx(455, abs=0.5)
     paint(obj, (0.2, 0.25), "0")
@@ -204,3 +207,182 @@ def test_no_painting_needs_a_selection(empty_file, scan_file):
     with pytest.raises(RuntimeError, match="No faces are selected"):
         bpy.ops.mesh.togishi_scan_paint_part(part="1")
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def glb(path: Path, document: dict, binary: bytes, length: int | None = None) -> None:
+    """length: what the binary chunk says of itself, where that is a lie."""
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(binary) if length is None else length, b"BIN\0") + binary
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+
+
+def triangle_glb(path: Path, length: int | None = None, **changes: dict) -> None:
+    """One triangle; changes: of the first accessor, bufferView or buffer."""
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36}],
+    }
+    for part, values in changes.items():
+        document[part][0].update(values)
+    document["accessors"][0].update({"min": [0, 0, 0], "max": [1, 1, 0]})
+    glb(path, document, np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], "<f4").tobytes(), length)
+
+
+PLY_FACES = (
+    b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    b"property float z\nelement face %d\nproperty list uchar int vertex_indices\nend_header\n"
+)
+# What is wrong with a file: its name, its bytes, what the sentence has to name.
+BROKEN_BYTES = {
+    "many.ply": (PLY_FACES % 10**12 + b"\0" * 100, r"element .face. is 1000000000000 rows"),
+    "cut.ply": (PLY_FACES % 1 + b"\0" * 40, r"rows.*is it cut off"),
+    "nan.ply": (
+        PLY_FACES % 1 + b"\xff" * 12 + b"\0" * 24 + b"\3" + struct.pack("<3i", 0, 1, 2),
+        r"vertex 1.*finite",
+    ),
+    "index.ply": (
+        PLY_FACES % 1 + np.eye(3, dtype="<f4").tobytes() + b"\3" + struct.pack("<3i", 0, 1, 9),
+        r"face 1: vertex index is 9",
+    ),
+    "many.stl": (b"\0" * 80 + struct.pack("<I", 2**32 - 1) + b"\0" * 500, r"size.*4294967295 tri"),
+    "index.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", r"triangle 1: vertex index is 6"),
+    "words.gltf": (b"{", r"JSON.*well formed"),
+    "beside.gltf": (
+        b'{"buffers": [{"byteLength": 1000000000000, "uri": "../many.bin"}]}',
+        r"uri.*folder",
+    ),
+    "inline.gltf": (
+        b'{"buffers": [{"byteLength": 1000000000000, '
+        b'"uri": "data:application/octet-stream;base64,AAAA"}]}',
+        r"byteLength is 1000000000000.*data: URI",
+    ),
+}
+BROKEN_GLB = {
+    "chunk.glb": ({"length": 2**32 - 8}, r"chunk is 4294967288"),
+    "buffer.glb": ({"buffers": {"byteLength": 10**12}}, r"byteLength is 1000000000000.*chunk"),
+    "view.glb": (
+        {"bufferViews": {"byteLength": 10**12}},
+        r"buffer view 0: byteLength is 10{12} from 0",
+    ),
+    "accessor.glb": ({"accessors": {"count": 10**7}}, r"accessor 0: count is 10000000.*36 bytes"),
+    "zeros.glb": ({"accessors": {"count": 10**12}}, r"accessor 0: count is 10{12}.*at most"),
+}
+
+
+@pytest.mark.parametrize("name", [*BROKEN_BYTES, *BROKEN_GLB])
+def test_files_that_lie_are_refused_before_blender_reads_them(
+    empty_file, tmp_path, monkeypatch, name
+):
+    from togishi import scan_read
+
+    path = tmp_path / name
+    if name in BROKEN_GLB:
+        changes, sentence = BROKEN_GLB[name]
+        triangle_glb(path, **changes)
+    else:
+        content, sentence = BROKEN_BYTES[name]
+        path.write_bytes(content)
+    monkeypatch.setattr(scan_read, "_gather", None)  # not reached
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + 2**29, hard))  # half a GiB more, as ulimit -v
+    started = time.monotonic()
+    try:
+        with pytest.raises(RuntimeError, match=rf"not imported: .*{name}.*{sentence}") as refused:
+            bpy.ops.import_scene.togishi_scan(filepath=str(path))
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    assert time.monotonic() - started < 2
+    assert "Traceback" not in str(refused.value) and "allowed" in str(refused.value)
+    assert not bpy.data.objects and not bpy.data.meshes
+
+
+def test_a_format_that_is_none_is_refused(empty_file, tmp_path):
+    (tmp_path / "scan.xyz").write_text("0 0 0\n")
+    with pytest.raises(RuntimeError, match=r"scan\.xyz: file = '\.xyz'; allowed: \.ply, \.obj"):
+        bpy.ops.import_scene.togishi_scan(filepath=str(tmp_path / "scan.xyz"))
+
+
+def test_obj_stl_and_glb_are_the_same_blade(empty_file, tmp_path):
+    places, triangles = wakizashi()
+    mesh = bpy.data.meshes.new("scan")
+    mesh.from_pydata(places / 1000, [], triangles)
+    colours = mesh.color_attributes.new("Color", "BYTE_COLOR", "CORNER")
+    red = np.tile(np.array([1.0, 0.0, 0.0, 1.0], np.float32), len(mesh.loops))
+    colours.data.foreach_set("color_srgb", red)
+    scan = bpy.data.objects.new("scan", mesh)
+    bpy.context.scene.collection.objects.link(scan)
+    scan.select_set(True)
+    bpy.context.view_layer.objects.active = scan
+    files = [tmp_path / f"scan '{kind}' 刀.{kind}" for kind in ("obj", "stl", "glb")]
+    bpy.ops.wm.obj_export(filepath=str(files[0]), export_materials=False)
+    bpy.ops.wm.stl_export(filepath=str(files[1]))
+    bpy.ops.export_scene.gltf(
+        filepath=str(files[2]), export_vertex_color="ACTIVE", export_all_vertex_colors=False
+    )
+    for file in files:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        obj = imported(file, unit="m")
+        assert dimension(obj, "nagasa_mm")["value"] == pytest.approx(455, abs=0.5), file
+        assert [o.name for o in bpy.data.objects] == [obj.name]
+        image = obj.togishi.scan.colour_image
+        assert (image is not None) == (file.suffix == ".glb")
+        if image is not None:
+            pixels = np.empty(4 * image.size[0] * image.size[1], np.float32)
+            image.pixels.foreach_get(pixels)
+            pixels = pixels.reshape(-1, 4)
+            assert pixels[pixels[:, 3] > 0, :3].max(axis=0) == pytest.approx((1, 0, 0), abs=0.01)
+
+
+@pytest.mark.parametrize("domain", ["POINT", "CORNER"])
+@pytest.mark.parametrize("kind", ["BYTE_COLOR", "FLOAT_COLOR"])
+def test_colours_of_either_kind_are_read_at_vertices_and_corners(empty_file, kind, domain):
+    from togishi import scan_read
+
+    mesh = bpy.data.meshes.new("two triangles")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [], [(0, 1, 2), (1, 3, 2)])
+    colours = mesh.color_attributes.new("Color", kind, domain)
+    for item in colours.data:
+        item.color_srgb = (0.2, 0.5, 1.0, 1.0)
+    assert scan_read._colours(mesh) == pytest.approx(np.tile([51, 128, 255, 255], (4, 1)), abs=1)
+    # A stand without colours leaves the blade its own.
+    plain = bpy.data.meshes.new("plain")
+    plain.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    both_colours = scan_read._all_colours([plain, mesh])
+    assert both_colours.shape == (7, 4) and (both_colours[:3] == 255).all()
+    assert scan_read._all_colours([plain]) is None
+
+
+def test_an_import_is_one_step_of_undo(empty_file, scan_file):
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="before")
+    name = imported(scan_file).name
+    bpy.ops.ed.undo_push(message="imported")
+    images = len(bpy.data.images)
+    assert name in bpy.data.objects and images
+    bpy.ops.ed.undo()
+    assert not bpy.data.objects and not bpy.data.meshes
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects[name]
+    assert obj.togishi.scan.record is not None and len(bpy.data.images) == images
+    assert obj.togishi.scan.normal_image.has_data or obj.togishi.scan.normal_image.packed_file
+
+
+def test_the_record_is_saved_where_told(empty_file, scan_file, tmp_path):
+    obj = imported(scan_file)
+    path = tmp_path / "記録 'of' the \"blade\".jsonld"
+    assert bpy.ops.export_scene.togishi_scan_record(filepath=str(path)) == {"FINISHED"}
+    assert json.loads(path.read_text(encoding="utf-8")) == json.loads(
+        obj.togishi.scan.record.as_string()
+    )
+    with pytest.raises(RuntimeError, match=r"The record was not saved: .*no folder"):
+        bpy.ops.export_scene.togishi_scan_record(filepath=str(tmp_path / "no folder" / "r.jsonld"))
