@@ -12,9 +12,10 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import blade_object, data_blocks, scan_aside
+from . import blade_object, data_blocks, properties, scan_aside
 from .background_job import BackgroundJob
 from .core import scan_report
+from .nodes import scan_images
 from .scan_read import ScanArrays
 
 # FACE attribute: the part that the user painted; NOT_PAINTED elsewhere.
@@ -126,6 +127,7 @@ def keep(obj: bpy.types.Object, job: ScanJob, sword: Any, about: Mapping[str, st
         scan.record = bpy.data.texts.new(f"{obj.name} record.jsonld")
     scan.record.clear()
     scan.record.write(record_text(job, sword, about))
+    replaced = []
     for channel, pixels, is_data in (
         ("normal", sword.maps.get("normal"), True),
         ("displacement_mm", sword.maps.get("displacement_mm"), True),
@@ -143,8 +145,13 @@ def keep(obj: bpy.types.Object, job: ScanJob, sword: Any, about: Mapping[str, st
             for material in obj.data.materials:
                 if material is not None and material.togishi.normal_image in (None, before):
                     material.togishi.normal_image = image
-        if before is not None and before.users == 0:
-            bpy.data.images.remove(before)
+        replaced.append(before)
+    for material in obj.data.materials:
+        if properties.is_blade(material):
+            scan_images.put(material, scan.colour_image, scan.displacement_image, scan.unit_m)
+    for image in replaced:
+        if image is not None and image.users == 0:
+            bpy.data.images.remove(image)
 
 
 def paint_part(obj: bpy.types.Object, part: int) -> int:

@@ -14,18 +14,23 @@ import numpy as np
 import pytest
 
 
-def write_ply(path: Path, places, triangles, kind: str = "f4") -> None:
-    """Binary, little-endian; coordinates as floats or doubles (f8)."""
+def write_ply(path: Path, places, triangles, kind: str = "f4", colour=None) -> None:
+    """Binary, little-endian; coordinates as floats or doubles (f8); colour: RGB of all vertices."""
     word = {"f4": "float", "f8": "double"}[kind]
     header = (
         "ply\nformat binary_little_endian 1.0\n"
         f"element vertex {len(places)}\nproperty {word} x\nproperty {word} y\nproperty {word} z\n"
-        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+        + "".join(f"property uchar {name}\n" for name in ("red", "green", "blue") if colour)
+        + f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
     )
     faces = np.empty(len(triangles), [("count", "u1"), ("corner", "<i4", 3)])
     faces["count"] = 3
     faces["corner"] = triangles
-    path.write_bytes(header.encode() + np.asarray(places, f"<{kind}").tobytes() + faces.tobytes())
+    rows = np.empty(len(places), [("at", f"<{kind}", 3), ("colour", "u1", 3 if colour else 0)])
+    rows["at"] = places
+    if colour:
+        rows["colour"] = colour
+    path.write_bytes(header.encode() + rows.tobytes() + faces.tobytes())
 
 
 def wakizashi():
@@ -386,3 +391,35 @@ def test_the_record_is_saved_where_told(empty_file, scan_file, tmp_path):
     )
     with pytest.raises(RuntimeError, match=r"The record was not saved: .*no folder"):
         bpy.ops.export_scene.togishi_scan_record(filepath=str(tmp_path / "no folder" / "r.jsonld"))
+
+
+def test_colours_and_relief_lie_ready_in_the_material(empty_file, tmp_path):
+    from togishi.nodes import scan_images, steel_group
+
+    places, triangles = wakizashi()
+    write_ply(tmp_path / "red.ply", places, triangles, colour=(200, 30, 20))
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    obj = imported(tmp_path / "red.ply", unit="mm")
+    scan, tree = obj.togishi.scan, obj.data.materials[0].node_tree
+    picture = tree.nodes.active
+    assert picture.name == scan_images.COLOUR and picture.image == scan.colour_image
+    assert picture.inputs["Vector"].links[0].from_node.uv_map == "togishi_uv"
+    height = tree.nodes[scan_images.DISPLACEMENT]
+    assert height.image == scan.displacement_image
+    relief = tree.nodes[scan_images.RELIEF]
+    assert relief.inputs["Height"].links[0].from_node == height
+    assert relief.inputs["Scale"].default_value == pytest.approx(0.1)  # mm in units of 1 cm
+    assert relief.inputs["Midlevel"].default_value == 0
+    # The user's connections stay, and so does the steel.
+    output = tree.nodes[f"{steel_group.GROUP_NAME} output CYCLES"]
+    tree.links.new(relief.outputs[0], output.inputs["Displacement"])
+    surface = output.inputs["Surface"].links[0].from_node.name
+    count = len(tree.nodes)
+    assert bpy.ops.object.togishi_scan_correct(change="unit", unit="mm") == {"FINISHED"}
+    assert len(tree.nodes) == count
+    assert tree.nodes[scan_images.DISPLACEMENT].image == scan.displacement_image
+    assert tree.nodes[scan_images.COLOUR].image == scan.colour_image
+    assert output.inputs["Displacement"].links[0].from_node.name == scan_images.RELIEF
+    assert output.inputs["Surface"].links[0].from_node.name == surface
+    # Of each channel one image: those before are gone.
+    assert len([i for i in bpy.data.images if i.name.startswith("red ")]) == 3
