@@ -73,6 +73,12 @@ def rows_of(found: dict[str, Any], triangles: float, promised: bool) -> list[Row
             "s",
             how="the operator, without frame",
         ),
+        Row(
+            f"scan.blender_{name}.cpu_s",
+            found["cpu_s"],
+            "s",
+            how="processor time of all threads, import and frame: where it is far below twice the wall time, the machine had other work or steps run on one core",
+        ),
         Row(f"scan.blender_{name}.import_gib", found["imported_gib"], "GiB", how="peak until then"),
     ]
     rows += [
