@@ -151,6 +151,12 @@ def by_blender(path: Path) -> bool:
     return kind in BY_BLENDER
 
 
+def _reason(error: RuntimeError) -> str:
+    """What Blender's importer says; of a Python traceback, which it hands on whole, its last line."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    return next((line for line in reversed(lines) if line and "Location:" not in line), "no reason")
+
+
 def read(path: Path) -> ScanArrays:
     """The meshes of a file, all together. Raises togishi_core.InputError, naming the file, for what no mesh can be
     read from."""
@@ -164,9 +170,7 @@ def read(path: Path) -> ScanArrays:
         try:
             bpy.ops.import_scene.gltf(filepath=str(path))
         except RuntimeError as error:
-            raise problem(
-                f"{path}: file: Blender could not read it: {str(error).strip()}"
-            ) from None
+            raise problem(f"{path}: file: Blender could not read it: {_reason(error)}") from None
         objects = [
             obj
             for obj in bpy.data.objects

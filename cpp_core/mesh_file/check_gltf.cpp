@@ -128,15 +128,20 @@ void check_numbers(const json& root, const MeshLimits& limits, const std::string
 
 }  // namespace
 
+void check_gltf(ByteSource& source, const std::filesystem::path& folder, const MeshLimits& limits) {
+    MeshFile file;
+    GltfParts parts = read_gltf_parts(source, folder, file);
+    parts.buffers = {};
+    check_numbers(json::parse(parts.json), limits, source.where());
+}
+
 void check_gltf(const std::filesystem::path& path, const MeshLimits& limits) {
     open_mesh(path, [&](ByteSource& source, const std::string& format) {
-        if (format != ".gltf")
+        if (format != ".gltf") {
             throw InputError(source.where(), "format", format + " under another name",
                              "a glTF file's name ends in .gltf or .glb");
-        MeshFile file;
-        GltfParts parts = read_gltf_parts(source, path.parent_path(), file);
-        parts.buffers = {};
-        check_numbers(json::parse(parts.json), limits, source.where());
+        }
+        check_gltf(source, path.parent_path(), limits);
     });
 }
 

@@ -311,6 +311,16 @@ def test_files_that_lie_are_refused_before_blender_reads_them(
     assert not bpy.data.objects and not bpy.data.meshes
 
 
+def test_what_blender_cannot_read_is_told_in_one_line(empty_file, tmp_path):
+    triangle_glb(tmp_path / "lost.glb", meshes={"primitives": [{"attributes": {"POSITION": 7}}]})
+    with pytest.raises(
+        RuntimeError, match=r"lost\.glb: file: Blender could not read it: "
+    ) as found:
+        bpy.ops.import_scene.togishi_scan(filepath=str(tmp_path / "lost.glb"))
+    assert "Traceback" not in str(found.value)
+    assert not bpy.data.objects and not bpy.data.meshes
+
+
 def test_a_format_that_is_none_is_refused(empty_file, tmp_path):
     (tmp_path / "scan.xyz").write_text("0 0 0\n")
     with pytest.raises(RuntimeError, match=r"scan\.xyz: file = '\.xyz'; allowed: \.ply, \.obj"):
