@@ -634,6 +634,12 @@ class TogishiScan(bpy.types.PropertyGroup):
     report_json: _kept("Found", "Verdict, dimensions and steps of the import, as JSON")
     options_json: _kept("Options", "How the scan was imported, as JSON")
     about_json: _kept("About", "Object, holder and rights as they were given, as JSON")
+    unit_m: FloatProperty(
+        name="Unit",
+        description="Metres per unit of the blade's mesh: the scene's unit when it was made",
+        default=1.0,
+        options={"HIDDEN"},
+    )
     record: PointerProperty(type=bpy.types.Text, name="Record")
     normal_image: PointerProperty(type=bpy.types.Image, name="Normals")
     displacement_image: PointerProperty(type=bpy.types.Image, name="Displacement")

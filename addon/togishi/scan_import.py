@@ -12,54 +12,50 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import blade_object, data_blocks
+from . import blade_object, data_blocks, properties, scan_aside
 from .background_job import BackgroundJob
 from .core import scan_report
+from .nodes import scan_images
 from .scan_read import ScanArrays
 
-ASIDE = "aside"
 # FACE attribute: the part that the user painted; NOT_PAINTED elsewhere.
 PAINTED = "togishi_part_painted"
 NOT_PAINTED = -1
 
 
 class ScanJob(BackgroundJob):
-    """From a scan's arrays to a blade. The result is a togishi_core.ScannedSword with what the record needs."""
+    """From a scan to a blade. The result is a togishi_core.ScannedSword with what the record needs."""
 
     thread_name = "togishi-scan"
 
     def __init__(
         self,
         path: Path,
-        scan: ScanArrays,
+        scan: ScanArrays | None,
         options: Mapping[str, Any],
         painted: Mapping[str, Any] | None = None,
         sha256: str = "",
     ) -> None:
-        """sha256: of the file that it has to be; empty: any."""
+        """scan: None where the core reads the file itself. sha256: of the file that it has to be; empty: any."""
         super().__init__()
         self._sha256 = sha256
         self.path = path
         self.options = dict(options)
         self._painted = painted
-        self._scan: ScanArrays | None = scan
+        self._scan = scan
 
     def _compute(self) -> Any:
         scan, self._scan = self._scan, None  # the core may free what it has read
-        assert scan is not None
         self.source = scan_report.file_facts(self.path, "scan")
         if self._sha256 and self.source["sha256"] != self._sha256:
             raise self._core.InputError(
                 f"{self.path} is not the file any more that this blade came from"
             )
+        further = {"painted": self._painted, "progress": self._progress}
+        if scan is None:
+            return self._core.scan_import_file(self.path, self.options, **further)
         return self._core.scan_import(
-            scan.positions,
-            scan.triangles,
-            scan.colours,
-            scan.origin,
-            self.options,
-            painted=self._painted,
-            progress=self._progress,
+            scan.positions, scan.triangles, scan.colours, scan.origin, self.options, **further
         )
 
 
@@ -67,21 +63,6 @@ def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
     collection = bpy.data.collections.new(name)
     scene.collection.children.link(collection)
     return collection
-
-
-def _plain_object(name: str, piece: Mapping[str, Any], unit_m: float) -> bpy.types.Object:
-    """A piece that was kept aside, where it lay beside the blade."""
-    mesh = bpy.data.meshes.new(name)
-    places = np.asarray(piece["positions_mm"], np.float32) * (blade_object.MM / unit_m)
-    triangles = np.asarray(piece["triangles"], np.int32)
-    mesh.vertices.add(len(places))
-    mesh.vertices.foreach_set("co", places.astype(np.float32).reshape(-1))
-    mesh.loops.add(triangles.size)
-    mesh.loops.foreach_set("vertex_index", triangles.reshape(-1))
-    mesh.polygons.add(len(triangles))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    return bpy.data.objects.new(name, mesh)
 
 
 def _image(name: str, pixels: Any, is_data: bool) -> bpy.types.Image:
@@ -96,6 +77,12 @@ def _image(name: str, pixels: Any, is_data: bool) -> bpy.types.Image:
     image.update()
     image.pack()
     return image
+
+
+def _fill(obj: bpy.types.Object, sword: Any, unit_m: float) -> None:
+    """The blade's mesh, in scene units, which the object remembers: the scene's may change."""
+    blade_object.fill_mesh(obj.data, sword, unit_m)
+    obj.togishi.scan.unit_m = unit_m
 
 
 def record_text(job: ScanJob, sword: Any, about: Mapping[str, str]) -> str:
@@ -113,21 +100,13 @@ def place(
     unit_m = scene.unit_settings.scale_length or 1.0
     collection = _collection(scene, name)
     mesh = bpy.data.meshes.new(name)
-    blade_object.fill_mesh(mesh, sword, unit_m)
     obj = bpy.data.objects.new(name, mesh)
+    _fill(obj, sword, unit_m)
     collection.objects.link(obj)
     material = blade_object.new_material(f"{name} steel")
     obj.data.materials.append(material)
     keep(obj, job, sword, about)
-    pieces = list(sword.aside)
-    if pieces:
-        beside = bpy.data.collections.new(f"{name} {ASIDE}")
-        collection.children.link(beside)
-        for index, piece in enumerate(pieces, 1):
-            other = _plain_object(f"{name} {ASIDE} {index}", piece, unit_m)
-            other.parent = obj
-            beside.objects.link(other)
-        beside.hide_render = True
+    scan_aside.put(obj, name, list(sword.aside), unit_m)
     for other in context.selected_objects:
         other.select_set(False)
     obj.select_set(True)
@@ -148,6 +127,7 @@ def keep(obj: bpy.types.Object, job: ScanJob, sword: Any, about: Mapping[str, st
         scan.record = bpy.data.texts.new(f"{obj.name} record.jsonld")
     scan.record.clear()
     scan.record.write(record_text(job, sword, about))
+    replaced = []
     for channel, pixels, is_data in (
         ("normal", sword.maps.get("normal"), True),
         ("displacement_mm", sword.maps.get("displacement_mm"), True),
@@ -165,8 +145,13 @@ def keep(obj: bpy.types.Object, job: ScanJob, sword: Any, about: Mapping[str, st
             for material in obj.data.materials:
                 if material is not None and material.togishi.normal_image in (None, before):
                     material.togishi.normal_image = image
-        if before is not None and before.users == 0:
-            bpy.data.images.remove(before)
+        replaced.append(before)
+    for material in obj.data.materials:
+        if properties.is_blade(material):
+            scan_images.put(material, scan.colour_image, scan.displacement_image, scan.unit_m)
+    for image in replaced:
+        if image is not None and image.users == 0:
+            bpy.data.images.remove(image)
 
 
 def paint_part(obj: bpy.types.Object, part: int) -> int:
@@ -187,9 +172,9 @@ def paint_part(obj: bpy.types.Object, part: int) -> int:
     return len(chosen)
 
 
-def painted(obj: bpy.types.Object) -> dict[str, Any] | None:
-    """The painted faces in the scan's own coordinates (mm), as togishi_core.scan_import takes them over; None where
-    nothing was painted."""
+def painted(obj: bpy.types.Object, mm_per_unit: float = 0.0) -> dict[str, Any] | None:
+    """The painted faces in the scan's own axes (mm, told from an origin), as togishi_core.scan_import takes them over;
+    None where nothing was painted. mm_per_unit: of the scan's file as it is to be read now; 0: as it was read."""
     mesh = obj.data
     attribute = mesh.attributes.get(PAINTED)
     if attribute is None:
@@ -198,27 +183,36 @@ def painted(obj: bpy.types.Object) -> dict[str, Any] | None:
     attribute.data.foreach_get("value", part)
     if (part == NOT_PAINTED).all():
         return None
-    pose = report_of(obj)["pose"]
+    report = report_of(obj)
+    pose = report["pose"]
+    was_mm = float(report["unit"]["mm_per_unit"])
+    larger = (mm_per_unit or was_mm) / was_mm
     places = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", places)
-    unit_m = bpy.context.scene.unit_settings.scale_length or 1.0
-    blade_mm = places.reshape(-1, 3).astype(float) * (unit_m / blade_object.MM)
-    # Blade = rotation (scan - origin).
-    scan_mm = blade_mm @ np.array(pose["rotation"], float) + np.array(pose["origin_mm"], float)
+    blade_mm = places.reshape(-1, 3).astype(float) * (obj.togishi.scan.unit_m / blade_object.MM)
+    # Blade = rotation (scan - origin). Told from the origin, which may be 1e5 mm away, floats keep micrometres.
+    from_origin_mm = blade_mm @ np.array(pose["rotation"], float) * larger
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
     faces = np.empty(len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", corners)
     mesh.loop_triangles.foreach_get("polygon_index", faces)
-    return {"positions_mm": scan_mm, "triangles": corners.reshape(-1, 3), "part": part[faces]}
+    return {
+        "origin_mm": [larger * v for v in pose["origin_mm"]],
+        "positions_mm": from_origin_mm.astype(np.float32),
+        "triangles": corners.reshape(-1, 3),
+        "part": part[faces],
+    }
 
 
 def replace(context: bpy.types.Context, obj: bpy.types.Object, job: ScanJob, sword: Any) -> None:
     """The blade as it is understood now, in the same object. Material slots stay with their parts."""
     about = json.loads(obj.togishi.scan.about_json)
+    unit_m = context.scene.unit_settings.scale_length or 1.0
     slots = blade_object.slot_of_part(obj.data)
     obj.data.clear_geometry()
-    blade_object.fill_mesh(obj.data, sword, context.scene.unit_settings.scale_length or 1.0)
+    blade_object.fill_mesh(obj.data, sword, unit_m)
+    scan_aside.put(obj, job.path.stem, list(sword.aside), unit_m)
     blade_object.set_slots(obj.data, slots)
     if sword.painted is not None:
         attribute = obj.data.attributes.new(PAINTED, "INT", "FACE")

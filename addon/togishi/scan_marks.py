@@ -39,7 +39,7 @@ def _draw() -> None:
     from gpu_extras.batch import batch_for_shader
 
     scale = bpy.context.preferences.system.ui_scale or 1.0
-    unit_m = context.scene.unit_settings.scale_length or 1.0
+    unit_m = obj.togishi.scan.unit_m
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     blend = gpu.state.blend_get()
     gpu.state.blend_set("ALPHA")

@@ -1,4 +1,5 @@
-"""Scanned meshes read by Blender's own importers, into arrays. What they bring into the file is taken out again."""
+"""Scanned meshes of the formats that Blender's own importers read for us (glTF), into arrays. What they bring into the
+file is taken out again."""
 
 from __future__ import annotations
 
@@ -12,15 +13,11 @@ from numpy.typing import NDArray
 
 from .core import native
 
-# The file's own axes are kept: a scan has no up.
-_IMPORTERS: dict[str, tuple[str, str, dict[str, Any]]] = {
-    ".ply": ("wm", "ply_import", {"forward_axis": "Y", "up_axis": "Z", "import_colors": "SRGB"}),
-    ".stl": ("wm", "stl_import", {"forward_axis": "Y", "up_axis": "Z", "use_mesh_validate": False}),
-    ".obj": ("wm", "obj_import", {"forward_axis": "Y", "up_axis": "Z", "validate_meshes": False}),
-    ".glb": ("import_scene", "gltf", {}),
-    ".gltf": ("import_scene", "gltf", {}),
-}
-SUFFIXES = tuple(_IMPORTERS)
+# The core reads these itself: Blender's importers take a minute for ten million triangles, round what lies far from
+# zero, and make arrays as large as a header says.
+BY_CORE = (".ply", ".obj", ".stl")
+BY_BLENDER = (".glb", ".gltf")
+SUFFIXES = (*BY_CORE, *BY_BLENDER)
 FILTER = ";".join(f"*{suffix}" for suffix in SUFFIXES)
 
 
@@ -32,11 +29,6 @@ class ScanArrays:
     positions: NDArray[np.float32]  # (V, 3)
     triangles: NDArray[np.int32]  # (F, 3) counter-clockwise from outside
     colours: NDArray[np.uint8] | None  # (V, 4) sRGB and alpha
-
-    @property
-    def reach(self) -> float:
-        """The largest coordinate in the file: what single precision rounds."""
-        return float(np.abs(self.origin).max()) + float(np.abs(self.positions).max(initial=0.0))
 
 
 def _blocks() -> dict[str, set[Any]]:
@@ -73,14 +65,48 @@ def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
     return vertex[loops].reshape(-1, 3)
 
 
+def _display(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """sRGB's transfer function."""
+    return np.where(
+        linear <= 0.0031308, 12.92 * linear, 1.055 * linear.clip(0.0) ** (1 / 2.4) - 0.055
+    )
+
+
+def _at_vertices(mesh: bpy.types.Mesh, corners: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The mean of the corners (C, 4), linear, that meet in each vertex, as display values."""
+    vertex = _values(mesh, ".corner_vert", "value", len(mesh.loops), np.int32)
+    count = len(mesh.vertices)
+    meeting = np.bincount(vertex, minlength=count).clip(1)
+    mixed = [np.bincount(vertex, corners[:, k], count) / meeting for k in range(4)]
+    return np.stack([*(_display(c) for c in mixed[:3]), mixed[3]], axis=1).astype(np.float32)
+
+
 def _colours(mesh: bpy.types.Mesh) -> NDArray[np.uint8] | None:
-    colours = mesh.color_attributes.active_color
-    if colours is None or colours.domain != "POINT":
+    """Per vertex, sRGB and alpha, from bytes or floats; None where the mesh has no colours."""
+    found = mesh.color_attributes
+    colours = found.active_color or next(iter(found), None)
+    if colours is None:
         return None
-    values = np.empty(4 * len(mesh.vertices), np.float32)
-    colours.data.foreach_get("color_srgb", values)
-    values *= 255.0
-    return np.rint(values.clip(0.0, 255.0)).astype(np.uint8).reshape(-1, 4)
+    at_corners = colours.domain == "CORNER"
+    values = np.empty(4 * (len(mesh.loops) if at_corners else len(mesh.vertices)), np.float32)
+    colours.data.foreach_get("color" if at_corners else "color_srgb", values)
+    values = values.reshape(-1, 4)
+    if at_corners:
+        values = _at_vertices(mesh, values)
+    return np.rint((255.0 * values).clip(0.0, 255.0)).astype(np.uint8)
+
+
+def _all_colours(meshes: list[bpy.types.Mesh]) -> NDArray[np.uint8] | None:
+    """Of all meshes; white where one has none, None where none has any."""
+    each = [_colours(mesh) for mesh in meshes]
+    if all(colours is None for colours in each):
+        return None
+    return np.concatenate(
+        [
+            np.full((len(mesh.vertices), 4), 255, np.uint8) if colours is None else colours
+            for mesh, colours in zip(meshes, each, strict=True)
+        ]
+    )
 
 
 def _placed(obj: bpy.types.Object) -> NDArray[np.float64 | np.float32]:
@@ -104,37 +130,47 @@ def _gather(objects: list[bpy.types.Object]) -> ScanArrays:
         _triangles(obj.data) + np.int32(start)
         for obj, start in zip(objects, starts[:-1], strict=True)
     ]
-    colours = [_colours(obj.data) for obj in objects]
     return ScanArrays(
         origin,
         np.concatenate([(p - origin).astype(np.float32) for p in places]),
         np.concatenate(triangles),
-        None
-        if any(c is None for c in colours)
-        else np.concatenate([c for c in colours if c is not None]),
+        _all_colours([obj.data for obj in objects]),
     )
+
+
+def by_blender(path: Path) -> bool:
+    """Whether read() is needed for this file; the core reads the others itself. Raises togishi_core.InputError for
+    other formats, OSError where the file cannot be opened."""
+    kind = path.suffix.lower()
+    if kind not in SUFFIXES:
+        raise native.core().InputError(
+            f"{path}: file = {path.suffix!r}; allowed: {', '.join(SUFFIXES)}"
+        )
+    with path.open("rb"):
+        pass  # an OSError that names what is wrong with the path
+    return kind in BY_BLENDER
+
+
+def _reason(error: RuntimeError) -> str:
+    """What Blender's importer says; of a Python traceback, which it hands on whole, its last line."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    return next((line for line in reversed(lines) if line and "Location:" not in line), "no reason")
 
 
 def read(path: Path) -> ScanArrays:
     """The meshes of a file, all together. Raises togishi_core.InputError, naming the file, for what no mesh can be
     read from."""
-    problem = native.core().InputError
-    kind = path.suffix.lower()
-    if kind not in _IMPORTERS:
-        raise problem(f"{path}: file = {path.suffix!r}; allowed: {', '.join(SUFFIXES)}")
-    with path.open("rb"):
-        pass  # an OSError that names what is wrong with the path, before Blender tries
-    module, name, settings = _IMPORTERS[kind]
+    core = native.core()
+    problem = core.InputError
+    core.check_gltf(path)
     before = _blocks()
     selected = [obj for obj in bpy.context.view_layer.objects if obj.select_get()]
     active = bpy.context.view_layer.objects.active
     try:
         try:
-            getattr(getattr(bpy.ops, module), name)(filepath=str(path), **settings)
+            bpy.ops.import_scene.gltf(filepath=str(path))
         except RuntimeError as error:
-            raise problem(
-                f"{path}: file: Blender could not read it: {str(error).strip()}"
-            ) from None
+            raise problem(f"{path}: file: Blender could not read it: {_reason(error)}") from None
         objects = [
             obj
             for obj in bpy.data.objects

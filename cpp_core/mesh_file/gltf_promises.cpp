@@ -5,11 +5,11 @@
 #include <fstream>
 #include <utility>
 
-#include <tiny_gltf.h>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "mesh_file/data_uri.hpp"
 
 namespace togishi {
 namespace {
@@ -186,11 +186,12 @@ void read_buffers(const json& root, Chunks& chunks, const std::filesystem::path&
             throw InputError(where, "uri", "no text", "a text");
         const std::string text = uri == buffer.end() ? std::string() : uri->get<std::string>();
         Bytes& data = out.buffers.emplace_back();
-        if (tinygltf::IsDataURI(text)) {
-            std::string type;
-            if (bytes > text.size() || !tinygltf::DecodeDataURI(&data, type, text, bytes, true))
+        if (is_data_uri(text)) {
+            auto held = data_uri_bytes(text);
+            if (!held || held->size() != bytes)
                 throw InputError(where, "byteLength", std::to_string(bytes),
                                  "as many bytes as its data: URI holds");
+            data = std::move(*held);
             continue;
         }
         // The same bytes twice would be memory for nothing, a thousand times an attack.

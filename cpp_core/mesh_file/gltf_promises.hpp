@@ -1,4 +1,4 @@
-// A glTF file as tinygltf may have it: what its JSON promises is held against the file first,
+// A glTF file as a library may have it: what its JSON promises is held against the file first,
 // buffers are at hand, and what no mesh needs (pictures, materials, animations) is left out.
 #pragma once
 #include <filesystem>

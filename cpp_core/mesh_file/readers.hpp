@@ -1,6 +1,7 @@
 // One reader per format; read_mesh() chooses. They stop at the first thing that cannot be believed.
 #pragma once
 #include <filesystem>
+#include <string>
 
 #include "mesh_file/byte_source.hpp"
 #include "mesh_file/mesh_builder.hpp"
@@ -21,6 +22,10 @@ void read_obj(ByteSource& source, MeshBuilder& builder, MeshFile& file);
 
 /// STL, ascii and binary. Its triangles have no common vertices: those at one place are welded.
 void read_stl(ByteSource& source, MeshBuilder& builder, MeshFile& file);
+
+/// ".ply", ".obj" or ".stl", as open_mesh() tells it.
+void read_own_format(ByteSource& source, const std::string& format, MeshBuilder& builder,
+                     MeshFile& file);
 
 /// glTF 2.0 and GLB by tinygltf, which gets the file only after its promises were held against its
 /// size: the triangles of the default scene, placed by its nodes.

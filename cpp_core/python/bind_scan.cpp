@@ -1,6 +1,7 @@
 // scanned/import.hpp
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <array>
 #include <cmath>
@@ -11,6 +12,8 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "mesh_file/check_gltf.hpp"
+#include "mesh_file/read_own_mesh.hpp"
 #include "python/blade_mesh_views.hpp"
 #include "python/blade_parameters.hpp"
 #include "python/module.hpp"
@@ -111,9 +114,9 @@ ImportOptions options_from(const py::dict& values, const py::object& painted) {
     }
     if (!painted.is_none()) {
         const auto given = py::cast<py::dict>(painted);
-        o.painted.mesh =
-            mesh_from(py::cast<Array<float>>(given["positions_mm"]),
-                      py::cast<Array<std::int32_t>>(given["triangles"]), py::none(), {0, 0, 0});
+        o.painted.mesh = mesh_from(py::cast<Array<float>>(given["positions_mm"]),
+                                   py::cast<Array<std::int32_t>>(given["triangles"]), py::none(),
+                                   py::cast<std::array<double, 3>>(given["origin_mm"]));
         o.painted.part = py::cast<std::vector<std::int32_t>>(given["part"]);
     }
     return o;
@@ -211,11 +214,10 @@ std::string record_text(const ImportedScan& scan, const py::dict& about, const p
     return record_json(record);
 }
 
-std::shared_ptr<ImportedScan> run(const Array<float>& positions,
-                                  const Array<std::int32_t>& triangles, const py::object& colours,
-                                  const std::array<double, 3>& origin, const py::dict& options,
+/// mesh: makes the scan's mesh, without the interpreter's lock.
+template <class Mesh>
+std::shared_ptr<ImportedScan> run(const Mesh& mesh, const py::dict& options,
                                   const py::object& painted, const py::object& progress) {
-    TriangleMesh mesh = mesh_from(positions, triangles, colours, origin);
     const ImportOptions chosen = options_from(options, painted);
     ImportProgress report;
     if (!progress.is_none()) {
@@ -226,11 +228,26 @@ std::shared_ptr<ImportedScan> run(const Array<float>& positions,
     }
     try {
         const py::gil_scoped_release release;
-        return std::make_shared<ImportedScan>(import_scan(std::move(mesh), chosen, report));
+        return std::make_shared<ImportedScan>(import_scan(mesh(), chosen, report));
     } catch (const PrepareCancelled&) {
         PyErr_SetString(PyExc_InterruptedError, "scan: cancelled");
         throw py::error_already_set();
     }
+}
+
+std::shared_ptr<ImportedScan> run_arrays(const Array<float>& positions,
+                                         const Array<std::int32_t>& triangles,
+                                         const py::object& colours,
+                                         const std::array<double, 3>& origin,
+                                         const py::dict& options, const py::object& painted,
+                                         const py::object& progress) {
+    TriangleMesh mesh = mesh_from(positions, triangles, colours, origin);
+    return run([&mesh] { return std::move(mesh); }, options, painted, progress);
+}
+
+std::shared_ptr<ImportedScan> run_file(const std::filesystem::path& path, const py::dict& options,
+                                       const py::object& painted, const py::object& progress) {
+    return run([&path] { return read_own_mesh(path).mesh; }, options, painted, progress);
 }
 
 }  // namespace
@@ -266,12 +283,24 @@ void bind_scan(py::module_& m) {
         .def("record", &record_text, py::arg("about"), py::arg("inputs"), py::arg("outputs"),
              "The record as JSON-LD. about: object_id, title, holder, rights, created_utc; files: "
              "name, role, sha256, bytes.");
-    m.def("scan_import", &run, py::arg("positions"), py::arg("triangles"), py::arg("colours"),
-          py::arg("origin"), py::arg("options"), py::kw_only(), py::arg("painted") = py::none(),
-          py::arg("progress") = py::none(),
+    m.def("scan_import", &run_arrays, py::arg("positions"), py::arg("triangles"),
+          py::arg("colours"), py::arg("origin"), py::arg("options"), py::kw_only(),
+          py::arg("painted") = py::none(), py::arg("progress") = py::none(),
           "From a scan's arrays (float32 positions told from origin, in the file's unit) to a "
           "blade. progress: called with the share done; returning False cancels "
           "(InterruptedError).");
+    m.def("scan_import_file", &run_file, py::arg("path"), py::arg("options"), py::kw_only(),
+          py::arg("painted") = py::none(), py::arg("progress") = py::none(),
+          "As scan_import(), from a PLY, OBJ or STL file, which is held to what it promises.");
+    m.def(
+        "check_gltf",
+        [](const std::filesystem::path& path) {
+            const py::gil_scoped_release release;
+            check_gltf(path);
+        },
+        py::arg("path"),
+        "Hold a glTF or GLB file to what it promises before another program reads it. InputError "
+        "names what is wrong.");
 }
 
 }  // namespace togishi

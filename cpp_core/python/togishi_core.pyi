@@ -3,6 +3,7 @@
 All functions release the GIL while they work, and raise `InputError` (a ValueError) naming what is wrong.
 """
 
+import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -489,8 +490,20 @@ def scan_import(
 ) -> ScannedSword:
     """From a scan's arrays to a blade. positions (V, 3): told from origin, in the file's unit; triangles (F, 3); colours
     (V, 4) sRGB. options: mm_per_unit (0: by the length), error_mm (0: by the noise), close_holes_mm, texture_px (256 to
-    32768), levels, replicates, swap_ends, swap_edge_and_back. painted: {positions_mm, triangles, part} in the scan's
-    coordinates. progress: called with the share done; returning False cancels (InterruptedError)."""
+    32768), levels, replicates, swap_ends, swap_edge_and_back. painted: {origin_mm, positions_mm (told from it),
+    triangles, part} in the scan's coordinates. progress: called with the share done; returning False cancels (InterruptedError)."""
+
+def scan_import_file(
+    path: str | os.PathLike[str],
+    options: Mapping[str, Any],
+    *,
+    painted: Mapping[str, Any] | None = None,
+    progress: Callable[[float], bool | None] | None = None,
+) -> ScannedSword:
+    """As scan_import(), from a PLY, OBJ or STL file, which is held to what it promises."""
+
+def check_gltf(path: str | os.PathLike[str]) -> None:
+    """Hold a glTF or GLB file to what it promises before another program reads it. InputError names what is wrong."""
 
 # --- the shared formulas, for tests -------------------------------------------------------------
 

@@ -44,7 +44,12 @@ AREAS: Mapping[str, Sequence[Path]] = {
         BENCH / "capture_round_trip.py",
         BENCH / "capture_lights.py",
     ],
-    "scan": [BENCH / "scan_mesh.py", BENCH / "scan_measure.py", BENCH / "scan_import.py"],
+    "scan": [
+        BENCH / "scan_mesh.py",
+        BENCH / "scan_measure.py",
+        BENCH / "scan_import.py",
+        BENCH / "scan_blender.py",
+    ],
 }
 """Area -> its measuring commands (bench_rows.py says what they write). Ids of rows begin with the area."""
 

@@ -13,11 +13,23 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "mesh_file/check_gltf.hpp"
 #include "mesh_file/readers.hpp"
 
 namespace {
 
 using namespace togishi;
+
+/// What Blender's importer is preceded by.
+void check_as_gltf(const std::string& bytes) {
+    std::istringstream in(bytes.substr(1));
+    ByteSource source(in, bytes.size() - 1, "fuzzed");
+    try {
+        check_gltf(source, "/nonexistent", {.max_triangles = 100'000, .max_vertices = 100'000});
+    } catch (const InputError&) {
+        // As it should be.
+    }
+}
 
 /// The first byte chooses the reader. True where a mesh came of the rest.
 bool read_as(const std::string& bytes) {
@@ -39,6 +51,7 @@ bool read_as(const std::string& bytes) {
                 break;
             // No buffers beside it: a folder that is not there.
             default:
+                check_as_gltf(bytes);
                 read_gltf(source, "/nonexistent", builder, file);
                 break;
         }

@@ -37,7 +37,7 @@ class _ScanWork(ModalJob):
         core = native.core()
         try:
             context.window_manager.progress_begin(0, 1)
-            scan = scan_read.read(path)
+            scan = scan_read.read(path) if scan_read.by_blender(path) else None
         except (core.InputError, OSError) as error:
             self.report({"ERROR"}, f"The scan was not imported: {error}")
             return {"CANCELLED"}
@@ -234,13 +234,9 @@ class TOGISHI_OT_scan_correct(_ScanWork, bpy.types.Operator):
         assert obj is not None
         self._uid = obj.session_uid
         path = Path(bpy.path.abspath(obj.togishi.scan.filepath))
-        return self.begin_scan(
-            context,
-            path,
-            self._options(obj),
-            scan_import.painted(obj),
-            obj.togishi.scan.sha256,
-        )
+        options = self._options(obj)
+        painted = scan_import.painted(obj, options["mm_per_unit"])
+        return self.begin_scan(context, path, options, painted, obj.togishi.scan.sha256)
 
     def take(self, context: bpy.types.Context, job: scan_import.ScanJob) -> set[str]:
         sword = self.found(job)
