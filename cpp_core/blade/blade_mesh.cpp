@@ -4,12 +4,9 @@
 #include <cmath>
 
 namespace togishi {
-namespace {
 
-// Singular values of the map from the surface of triangle (p, q, r) to its place (a, b, c) in the
-// chart.
-glm::dvec2 stretch(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r,
-                   const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+glm::dvec2 chart_stretch(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r,
+                         const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     const double length = glm::length(q - p);
     const glm::dvec3 x = (q - p) / length;
     const double rx = glm::dot(r - p, x);
@@ -21,6 +18,8 @@ glm::dvec2 stretch(const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r
     const double root = std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant));
     return {std::sqrt(std::max(0.0, 0.5 * (sum - root))), std::sqrt(0.5 * (sum + root))};
 }
+
+namespace {
 
 // Each triangle of the blade from machi to tip that is no lower than this and begins no earlier:
 // visit(stretch, area).
@@ -50,9 +49,9 @@ void each_stretch(const BladeMesh& mesh, double least_height_mm, double from_s_m
             const double longest =
                 std::max({glm::distance(p, q), glm::distance(q, r), glm::distance(r, p)});
             if (twice < least_height_mm * longest) continue;
-            const glm::dvec2 values = stretch(p, q, r, glm::dvec2(mesh.corner_uv[a]) * chart,
-                                              glm::dvec2(mesh.corner_uv[c]) * chart,
-                                              glm::dvec2(mesh.corner_uv[c + 1]) * chart);
+            const glm::dvec2 values = chart_stretch(p, q, r, glm::dvec2(mesh.corner_uv[a]) * chart,
+                                                    glm::dvec2(mesh.corner_uv[c]) * chart,
+                                                    glm::dvec2(mesh.corner_uv[c + 1]) * chart);
             visit(std::max(values.y - 1, 1 - values.x), 0.5 * twice);
         }
     }

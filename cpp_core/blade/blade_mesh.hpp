@@ -28,6 +28,12 @@ struct BladeMesh {
     [[nodiscard]] std::size_t face_count() const { return face_part.size(); }
 };
 
+/// Least and largest share of its true length that a length in triangle (p, q, r) has in the chart,
+/// where its corners lie at a, b, c: the singular values of the map. p and q not at one place.
+[[nodiscard]] glm::dvec2 chart_stretch(const glm::dvec3& p, const glm::dvec3& q,
+                                       const glm::dvec3& r, const glm::dvec2& a,
+                                       const glm::dvec2& b, const glm::dvec2& c);
+
 /// A single-precision UV places a corner to 3e-5 mm: lower triangles are no measure of the chart.
 inline constexpr double least_chart_height_mm = 0.02;
 

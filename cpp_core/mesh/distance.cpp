@@ -10,46 +10,10 @@
 #include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
 #include "mesh/box_tree.hpp"
+#include "mesh/closest_point.hpp"
 
 namespace togishi {
 namespace {
-
-struct Closest {
-    glm::vec3 point;
-    glm::vec3 weights;
-};
-
-/// Ericson, Real-Time Collision Detection (2005), 5.1.5: by the Voronoi region of the triangle's
-/// features. A triangle without area falls on one of its edges.
-Closest closest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    const glm::vec3 ab = b - a, ac = c - a, ap = p - a;
-    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0 && d2 <= 0) return {a, {1, 0, 0}};
-    const glm::vec3 bp = p - b;
-    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0 && d4 <= d3) return {b, {0, 1, 0}};
-    const float vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-        const float v = d1 / (d1 - d3);
-        return {a + v * ab, {1 - v, v, 0}};
-    }
-    const glm::vec3 cp = p - c;
-    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0 && d5 <= d6) return {c, {0, 0, 1}};
-    const float vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-        const float w = d2 / (d2 - d6);
-        return {a + w * ac, {1 - w, 0, w}};
-    }
-    const float va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        const float w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return {b + w * (c - b), {0, 1 - w, w}};
-    }
-    const float scale = 1 / (va + vb + vc);
-    const float v = vb * scale, w = vc * scale;
-    return {a + v * ab + w * ac, {1 - v - w, v, w}};
-}
 
 /// From a point to a box, squared.
 float squared_distance(const Box& box, const glm::vec3& p) {
@@ -83,7 +47,7 @@ SurfaceTree::Nearest SurfaceTree::nearest(const glm::vec3& point, const Search& 
     const float enough = search.enough * search.enough;
     const auto look_at = [&](std::uint32_t t) {
         const Triangle& c = mesh.triangles[t];
-        const Closest found =
+        const ClosestPoint found =
             closest_on(point, mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]);
         const glm::vec3 off = point - found.point;
         const float squared = glm::dot(off, off);
@@ -172,11 +136,11 @@ Samples sample(const TriangleMesh& from, const glm::dvec3& origin, std::size_t c
     return out;
 }
 
-/// Distances of the samples of `from` to `to`, and where the even ones begin.
+/// Distances of the samples of `from` to a surface with that origin, and where the even ones begin.
 std::pair<std::vector<float>, std::size_t> distances(const TriangleMesh& from,
-                                                     const TriangleMesh& to, std::size_t count) {
-    const SurfaceTree tree(to);
-    const Samples samples = sample(from, to.origin, count);
+                                                     const glm::dvec3& origin,
+                                                     const SurfaceTree& tree, std::size_t count) {
+    const Samples samples = sample(from, origin, count);
     std::vector<float> out(samples.points.size());
     parallel_for(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
         SurfaceTree::Search search;
@@ -195,8 +159,13 @@ MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b, std::si
     if (a.triangles.empty()) {
         throw InputError("mesh", "triangles", "0", "a surface of one triangle at least");
     }
-    const auto [there, there_even] = distances(a, b, samples);
-    const auto [back, back_even] = distances(b, a, samples);
+    return mesh_distance(a, SurfaceTree(a), b, samples);
+}
+
+MeshDistance mesh_distance(const TriangleMesh& a, const SurfaceTree& tree_of_a,
+                           const TriangleMesh& b, std::size_t samples) {
+    const auto [there, there_even] = distances(a, b.origin, SurfaceTree(b), samples);
+    const auto [back, back_even] = distances(b, a.origin, tree_of_a, samples);
     MeshDistance d;
     d.samples = there.size() + back.size();
     d.largest_there = *std::max_element(there.begin(), there.end());

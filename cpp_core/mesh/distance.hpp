@@ -18,11 +18,6 @@ struct MeshDistance {
     std::size_t samples = 0;
 };
 
-/// Points: all vertices up to `samples` per side, the rest even over the area; the same for the
-/// same meshes. Throws InputError where one has no triangles.
-[[nodiscard]] MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b,
-                                         std::size_t samples = 200'000);
-
 /// The nearest point of a surface, in a tree of boxes over its triangles.
 class SurfaceTree {
   public:
@@ -54,5 +49,13 @@ class SurfaceTree {
     struct Nodes;
     std::unique_ptr<Nodes> nodes_;
 };
+
+/// Points: all vertices up to `samples` per side, the rest even over the area; the same for the
+/// same meshes. Throws InputError where one has no triangles.
+[[nodiscard]] MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b,
+                                         std::size_t samples = 200'000);
+/// The same where the tree of `a` is there already.
+[[nodiscard]] MeshDistance mesh_distance(const TriangleMesh& a, const SurfaceTree& tree_of_a,
+                                         const TriangleMesh& b, std::size_t samples = 200'000);
 
 }  // namespace togishi

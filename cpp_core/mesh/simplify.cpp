@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <unordered_map>
 
@@ -506,6 +507,7 @@ std::vector<SimplifiedMesh> levels_of_detail(const TriangleMesh& mesh,
                                              const SimplifyOptions& options) {
     std::vector<SimplifiedMesh> levels;
     levels.reserve(errors_mm.size());
+    std::optional<SurfaceTree> whole;
     for (std::size_t i = 0; i < errors_mm.size(); ++i) {
         if (i > 0 && !(errors_mm[i] > errors_mm[i - 1])) {
             throw InputError(where, "errors_mm", std::to_string(errors_mm[i]),
@@ -524,7 +526,8 @@ std::vector<SimplifiedMesh> levels_of_detail(const TriangleMesh& mesh,
         here.error_mm = std::max(errors_mm[i] - before.distance.largest, 1e-6 * errors_mm[i]);
         SimplifiedMesh level = simplify(before.mesh, here);
         for (std::uint32_t& v : level.source_vertex) v = before.source_vertex[v];
-        level.distance = mesh_distance(mesh, level.mesh, options.samples);
+        if (!whole) whole.emplace(mesh);
+        level.distance = mesh_distance(mesh, *whole, level.mesh, options.samples);
         levels.push_back(std::move(level));
     }
     return levels;

@@ -567,6 +567,39 @@ ChartPlace ScannedChart::place(const glm::dvec3& p) const {
     return place;
 }
 
+glm::dvec3 ScannedChart::point(double s, double t, bool omote) const {
+    const double on_blade = std::clamp(s, sample_s_mm_.front(), sample_s_mm_.back());
+    const Between at = between(arc_mm(on_blade));
+    const Row& r0 = rows_[at.row];
+    const Row& r1 = rows_[at.row + 1];
+    const auto f = static_cast<float>(at.share);
+    const std::size_t side = omote ? 0 : 1;
+    auto mixed = [&](std::size_t of_side, const std::array<float, points> Outline::*what,
+                     std::size_t k) {
+        return (r0.side[of_side].*what)[k] * (1 - f) + (r1.side[of_side].*what)[k] * f;
+    };
+    const double own = mixed(side, &Outline::t, edge_point);
+    const double both = 0.5 * (own + double(mixed(1 - side, &Outline::t, edge_point)));
+    const double scale = own > 0 ? std::clamp(both / own, 0.9, 1.1) : 1;
+    const double along_outline = std::min(t / scale, own);
+    std::size_t k = 1;
+    while (k < edge_point && double(mixed(side, &Outline::t, k)) < along_outline) ++k;
+    const double t0 = mixed(side, &Outline::t, k - 1);
+    const double cell = double(mixed(side, &Outline::t, k)) - t0;
+    const glm::dvec2 from(mixed(side, &Outline::across, k - 1), mixed(side, &Outline::out, k - 1));
+    const glm::dvec2 to(mixed(side, &Outline::across, k), mixed(side, &Outline::out, k));
+    glm::dvec2 place = cell > 0 ? glm::mix(from, to, (along_outline - t0) / cell) : from;
+    const double beyond = t - own * scale;
+    if (beyond > 0) {
+        const double length = glm::distance(from, to);
+        place += (length > 1e-4 ? (to - from) / length : glm::dvec2(1, 0)) * beyond;
+    }
+    return glm::mix(r0.ridge, r1.ridge, at.share) +
+           glm::mix(r0.across, r1.across, at.share) * place.x +
+           glm::mix(r0.out, r1.out, at.share) * (omote ? place.y : -place.y) +
+           glm::normalize(glm::mix(r0.along, r1.along, at.share)) * (s - on_blade);
+}
+
 glm::dvec2 ScannedChart::uv(double s, double t, bool omote) const {
     const double y = frame_.chart_y_mm(s, t) / frame_.chart_height_mm;
     return {(frame_.chart_x_mm(s, t) + frame_.nakago_mm) / frame_.length_mm(),

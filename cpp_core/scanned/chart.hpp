@@ -38,6 +38,8 @@ class ScannedChart {
     [[nodiscard]] const BladeFrame& frame() const { return frame_; }
     /// Of a point in blade coordinates: square to the mune line, then the nearest of the outline.
     [[nodiscard]] ChartPlace place(const glm::dvec3& blade_mm) const;
+    /// The other way: the place of the blade's smooth surface that is (s, t), in blade coordinates.
+    [[nodiscard]] glm::dvec3 point(double s_mm, double t_mm, bool omote) const;
     [[nodiscard]] glm::dvec2 uv(double s_mm, double t_mm, bool omote) const;
     /// Unit tangent of the mune line, towards the tip.
     [[nodiscard]] glm::dvec3 along(double arc_mm) const;

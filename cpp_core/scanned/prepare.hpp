@@ -9,6 +9,7 @@
 #include "mesh/simplify.hpp"
 #include "scanned/chart_mesh.hpp"
 #include "scanned/detail.hpp"
+#include "scanned/settle.hpp"
 #include "scanned/step_clock.hpp"
 
 namespace togishi {
@@ -34,11 +35,13 @@ struct PreparedBlade {
     DetailMaps detail;                  ///< against the finest; empty without maps
     std::size_t scan_triangles = 0;
     std::size_t cut_triangles = 0;  ///< of the scan, along seams and borders
+    SettledCount settled;           ///< of the finest level
     /// Of the finest level from machi to tip: what 99 % of the area does not pass
-    /// (uv_stretch_of_area_percent), and the largest (uv_stretch_percent), which on a scan is that
-    /// of single triangles across a ridge.
+    /// (uv_stretch_of_area_percent), and the largest (uv_stretch_percent): of what could not
+    /// be settled, as a chip of the edge.
     double stretch_99_percent = 0, stretch_most_percent = 0;
-    std::map<std::string, StepTime> time;  ///< per step: chart, cut, simplify, detail, corners
+    std::map<std::string, StepTime>
+        time;  ///< per step: chart, cut, simplify, settle, detail, corners
 };
 
 /// Called between steps with the share done; false cancels.

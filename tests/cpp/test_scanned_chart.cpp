@@ -42,6 +42,25 @@ Charted charted(const KatanaMesh& katana, const ScannedChart& chart) {
     return result;
 }
 
+TEST(ScannedChart, PlacesOfTheSurfaceAreFoundAgain) {
+    for (const std::string_view zukuri : {"shinogi", "hira"}) {
+        const ScannedChart chart(katana_stations(KatanaShape(katana_defaults(zukuri)), 1.0));
+        const BladeFrame& frame = chart.frame();
+        for (double s = 5 - frame.nakago_mm; s < frame.nagasa_mm - 2; s += 7.3) {
+            for (const double share : {0.05, 0.3, 0.6, 0.95}) {
+                for (const bool omote : {true, false}) {
+                    const double t = share * frame.at(frame.edge_mm, s);
+                    const ChartPlace place = chart.place(chart.point(s, t, omote));
+                    EXPECT_NEAR(place.s_mm, s, 1e-4) << zukuri << " " << share;
+                    EXPECT_NEAR(place.t_mm, t, 1e-3) << zukuri << " " << s;
+                    EXPECT_NEAR(place.off_mm, 0, 1e-4) << zukuri << " " << s;
+                    EXPECT_EQ(place.omote(), omote) << zukuri << " " << s;
+                }
+            }
+        }
+    }
+}
+
 TEST(ScannedChart, IsThatOfTheGeneratedKatana) {
     for (const std::string_view zukuri : {"shinogi", "hira", "shobu"}) {
         const KatanaParameters p = katana_defaults(zukuri);

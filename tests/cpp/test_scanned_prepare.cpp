@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include "base/error.hpp"
@@ -239,6 +240,64 @@ TEST(PreparedBlade, KeepsTheStatedDistanceInEveryLevel) {
     EXPECT_GT(prepared.stretch_99_percent, 0);
     EXPECT_EQ(prepared.stretch_most_percent, uv_stretch_percent(prepared.levels[0].mesh));
     EXPECT_GT(prepared.stretch_most_percent, prepared.stretch_99_percent);
+}
+
+TriangleMesh level_mesh(const PreparedLevel& level) {
+    TriangleMesh m;
+    for (const glm::dvec3& p : level.mesh.positions_mm) m.positions.emplace_back(p);
+    for (std::size_t c = 0; c + 2 < level.mesh.corner_vertex.size(); c += 3) {
+        m.triangles.push_back({});
+        for (std::size_t k = 0; k < 3; ++k)
+            m.triangles.back()[k] = static_cast<std::uint32_t>(level.mesh.corner_vertex[c + k]);
+    }
+    return m;
+}
+
+// Noise turns narrow triangles out of the surface and across ridges, where the chart would stretch
+// some of them several times.
+TEST(PreparedBlade, NoTriangleOfANoisyScanIsStretchedFar) {
+    const Blade& blade = tanto();
+    TriangleMesh scan = section_scan(blade.stations, {1000, 180, {}, {}});
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(0, 0.02F);
+    for (glm::vec3& p : scan.positions) p += glm::vec3(noise(random), noise(random), noise(random));
+    PrepareOptions options = small_options();
+    options.error_mm = 0.16;
+    options.levels = 1;
+    options.maps = false;
+    const PreparedBlade prepared = prepare_blade(scan, {}, blade.stations, {}, options);
+    const PreparedLevel& level = prepared.levels[0];
+    // 690 % without settling; what is left lies at the tip.
+    EXPECT_LE(prepared.stretch_most_percent, 12);
+    EXPECT_GT(prepared.settled.moved, 100U);
+    EXPECT_LE(level.distance.largest, options.error_mm);
+    const TriangleMesh light = level_mesh(level);
+    // Told once more, with other points.
+    scan.positions.shrink_to_fit();
+    for (glm::vec3& p : scan.positions) p = glm::vec3(glm::dvec3(p) + scan.origin);
+    scan.origin = glm::dvec3(0);
+    EXPECT_LE(mesh_distance(scan, light, 50'000).largest, 1.05 * options.error_mm);
+}
+
+TEST(PreparedBlade, WhatIsDeeperThanTheBoundIsNotLaidOntoTheSurface) {
+    const Blade& blade = tanto();
+    constexpr double depth = 0.6;
+    auto dent = [&](double s, double t, bool omote) {
+        const double r = std::hypot(s - 120, t - 10) / 4;
+        return omote && r < 1 ? -depth * (1 - r * r) : 0.0;
+    };
+    PrepareOptions options = small_options();
+    options.levels = 1;
+    options.maps = false;
+    const PreparedBlade prepared = prepare_blade(section_scan(blade.stations, {800, 160, dent, {}}),
+                                                 {}, blade.stations, {}, options);
+    double deepest = 0;
+    for (const glm::dvec3& p : prepared.levels[0].mesh.positions_mm) {
+        const ChartPlace place = blade.chart.place(p);
+        if (std::abs(place.s_mm - 120) < 3) deepest = std::min(deepest, place.off_mm);
+    }
+    EXPECT_NEAR(deepest, -depth, 0.1);
+    EXPECT_LE(prepared.levels[0].distance.largest, options.error_mm);
 }
 
 // A groove and a bump along omote's and ura's ji, 0.03 mm deep, that the lighter mesh does not
