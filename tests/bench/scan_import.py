@@ -74,7 +74,8 @@ def stretch_rows(triangles: float) -> list[Row]:
             "%",
             3,
             "<=",
-            how=f"{how}: the worst triangle; shinogi-zukuri",
+            how=f"{how}: the worst triangle, after settling (docs/scan_import.md); "
+            "see scan.uv_stretch_99_pct and scan.chart_stretch_pct",
         ),
         Row("scan.uv_stretch_99_pct", found["stretch_99_pct"], "%", how=f"{how}: 99 % of the area"),
         Row(
