@@ -167,9 +167,14 @@ SIZED = [
 
 
 def rendered(
-    scene: bpy.types.Scene, engine: str, size: tuple[int, int], samples: int, path: str
+    scene: bpy.types.Scene,
+    engine: str,
+    size: tuple[int, int],
+    samples: int,
+    path: str,
+    bounces: int = 0,
 ) -> np.ndarray:
-    """(H, W, 3) linear pixels of a final render; samples: of Cycles."""
+    """(H, W, 3) linear pixels of a final render; samples, bounces: of Cycles."""
     render = scene.render
     render.resolution_x, render.resolution_y = size
     render.engine = engine
@@ -179,7 +184,7 @@ def rendered(
     if engine == "CYCLES":
         scene.cycles.samples = samples
         scene.cycles.use_denoising = False
-        scene.cycles.max_bounces = 0
+        scene.cycles.max_bounces = bounces
         scene.cycles.sample_clamp_direct = 0.0
     bpy.ops.render.render(write_still=True)
     pixels = np.array(bpy.data.images.load(path).pixels[:])
@@ -458,3 +463,70 @@ def test_a_ball_that_shines_is_bright_and_said_to_light_nothing(addon, tmp_path)
     assert not data.lights
     assert any("is no single rectangle" in message for message in sync.messages)
     assert max(next(iter(data.materials.values())).shine) == pytest.approx(3.0)
+
+
+def exhibited(engine: str, path: str) -> np.ndarray:
+    """(60, 160, 3) linear RGB: a katana on a post, over a cloth, beside a card, under a soft box and a bulb."""
+    from mathutils import Vector
+    from togishi import blade_object
+    from togishi.nodes import steel_group
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    bpy.ops.mesh.togishi_katana_add()
+    blade = bpy.context.object
+    if engine == "CYCLES":
+        steel_group.connect(blade.data.materials[0])
+        blade_object.turn_tangents(blade.data)
+    middle = Vector((0.26, 0.0, -0.015))
+    for name, colour, place, size in (
+        ("cloth", (0.25, 0.05, 0.06), (0.0, 0.0, -0.12), (1.5, 0.5, 0.005)),
+        ("wood", (0.12, 0.06, 0.03), (0.1, 0.0, -0.08), (0.02, 0.03, 0.08)),
+        ("card", (0.6, 0.6, 0.55), (0.05, -0.25, 0.0), (0.1, 0.004, 0.06)),
+    ):
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        material.node_tree.nodes.clear()
+        diffuse = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+        diffuse.inputs["Color"].default_value = (*colour, 1.0)
+        output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
+        material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+        bpy.ops.mesh.primitive_cube_add(size=1.0, location=middle + Vector(place))
+        bpy.context.object.scale = size
+        bpy.context.object.data.materials.append(material)
+    for kind, place, energy in (
+        ("AREA", (0.1, -0.35, 0.55), 18.0),
+        ("POINT", (-0.3, -0.3, 0.35), 4.0),
+    ):
+        light = bpy.data.lights.new("lamp", kind)
+        light.energy = energy
+        if kind == "AREA":
+            light.shape, light.size, light.size_y = "RECTANGLE", 0.5, 0.25
+        else:
+            light.shadow_soft_size = 0.02
+        lamp = bpy.data.objects.new("lamp", light)
+        lamp.location = middle + Vector(place)
+        lamp.rotation_euler = (-Vector(place)).to_track_quat("-Z", "Y").to_euler()
+        scene.collection.objects.link(lamp)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location = middle + Vector((0.0, -0.75, 0.32))
+    camera.rotation_euler = Vector((0.0, 0.75, -0.34)).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.togishi.samples = 32
+    if engine == "CYCLES":
+        scene.cycles.sample_clamp_indirect = 0.0
+        scene.cycles.blur_glossy = 0.0
+        scene.cycles.diffuse_bounces, scene.cycles.glossy_bounces = 0, 1
+    return rendered(scene, engine, (160, 60), 512, path, bounces=1)
+
+
+def test_an_exhibited_katana_as_in_cycles(addon, tmp_path):
+    """The soft box and the bulb on the steel, shadows on the cloth, cloth, card and post in the blade's mirror."""
+    ours = exhibited("TOGISHI", str(tmp_path / "ours.exr"))
+    cycles = exhibited("CYCLES", str(tmp_path / "cycles.exr"))
+    apart = np.abs(ours - cycles) / np.percentile(cycles, 99.0)
+    print(apart.mean(), np.percentile(apart, 95.0), ours.mean(), cycles.mean())
+    np.testing.assert_allclose(ours.mean(axis=(0, 1)), cycles.mean(axis=(0, 1)), rtol=0.04)
+    assert apart.mean() < 0.02
+    assert np.percentile(apart, 90.0) < 0.05
