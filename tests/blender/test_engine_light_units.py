@@ -191,6 +191,19 @@ def rendered(
     return pixels.reshape(size[1], size[0], 4)[..., :3]
 
 
+def matt(colour: tuple[float, float, float]) -> bpy.types.Material:
+    """A diffuse material."""
+    material = bpy.data.materials.new("matt")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (*colour, 1.0)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    return material
+
+
 def card_value(
     engine: str, albedo: float, kind: str, setup: Callable[[object, object], None], path: str
 ) -> np.ndarray:
@@ -201,14 +214,7 @@ def card_value(
     corners = [(-0.05, -0.05, 0.0), (0.05, -0.05, 0.0), (0.05, 0.05, 0.0), (-0.05, 0.05, 0.0)]
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
     scene.collection.objects.link(bpy.data.objects.new("card", mesh))
-    material = bpy.data.materials.new("grey")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (albedo, albedo, albedo, 1.0)
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    material = matt((albedo, albedo, albedo))
     mesh.materials.append(material)
     light = bpy.data.lights.new("lamp", kind)
     lamp = bpy.data.objects.new("lamp", light)
@@ -257,13 +263,7 @@ def hdri_picture(engine: str, kind: str, sun: float, path: str) -> np.ndarray:
     mesh = bpy.data.meshes.new("card")
     mesh.from_pydata([(0, -9, -9), (9, -9, -9), (9, -9, 9), (0, -9, 9)], [], [(0, 1, 2, 3)])
     scene.collection.objects.link(bpy.data.objects.new("card", mesh))
-    material = bpy.data.materials.new("grey")
-    material.use_nodes = True
-    material.node_tree.nodes.clear()
-    diffuse = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
-    output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    material = matt((0.8, 0.8, 0.8))
     mesh.materials.append(material)
     u, v = np.meshgrid((np.arange(128) + 0.5) / 128, (np.arange(64) + 0.5) / 64)
     pixels = np.ones((64, 128, 4), np.float32)
@@ -326,13 +326,7 @@ def shadow_picture(
     """(36, 48, 3) linear RGB: a post with a board on it over a grey floor."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    material = bpy.data.materials.new("grey")
-    material.use_nodes = True
-    material.node_tree.nodes.clear()
-    diffuse = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
-    output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    material = matt((0.5, 0.5, 0.5))
     for place, size in (
         ((0.0, 0.0, -0.05), (8.0, 8.0, 0.1)),
         ((0.0, 0.0, 0.2), (0.06, 0.06, 0.4)),
@@ -387,13 +381,7 @@ def window_picture(engine: str, turn_deg: float, shader: str, path: str) -> np.n
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     bpy.ops.mesh.primitive_plane_add(size=8.0)
-    grey = bpy.data.materials.new("grey")
-    grey.use_nodes = True
-    grey.node_tree.nodes.clear()
-    diffuse = grey.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
-    output = grey.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    grey.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    grey = matt((0.5, 0.5, 0.5))
     bpy.context.object.data.materials.append(grey)
     image = bpy.data.images.new("panes", 64, 32, float_buffer=True)
     pixels = np.ones((32, 64, 4), np.float32)
@@ -479,18 +467,12 @@ def exhibited(engine: str, path: str) -> np.ndarray:
         steel_group.connect(blade.data.materials[0])
         blade_object.turn_tangents(blade.data)
     middle = Vector((0.26, 0.0, -0.015))
-    for name, colour, place, size in (
-        ("cloth", (0.25, 0.05, 0.06), (0.0, 0.0, -0.12), (1.5, 0.5, 0.005)),
-        ("wood", (0.12, 0.06, 0.03), (0.1, 0.0, -0.08), (0.02, 0.03, 0.08)),
-        ("card", (0.6, 0.6, 0.55), (0.05, -0.25, 0.0), (0.1, 0.004, 0.06)),
+    for colour, place, size in (
+        ((0.25, 0.05, 0.06), (0.0, 0.0, -0.12), (1.5, 0.5, 0.005)),  # cloth
+        ((0.12, 0.06, 0.03), (0.1, 0.0, -0.08), (0.02, 0.03, 0.08)),  # post
+        ((0.6, 0.6, 0.55), (0.05, -0.25, 0.0), (0.1, 0.004, 0.06)),  # card
     ):
-        material = bpy.data.materials.new(name)
-        material.use_nodes = True
-        material.node_tree.nodes.clear()
-        diffuse = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
-        diffuse.inputs["Color"].default_value = (*colour, 1.0)
-        output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
-        material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+        material = matt(colour)
         bpy.ops.mesh.primitive_cube_add(size=1.0, location=middle + Vector(place))
         bpy.context.object.scale = size
         bpy.context.object.data.materials.append(material)
