@@ -557,7 +557,7 @@ class TogishiScene(bpy.types.PropertyGroup):
         update=_shown,
     )
     mirror_things: BoolProperty(
-        name="Mirror objects",
+        name="Mirror Objects",
         description="The blade mirrors the stand, the cloth and whatever else is near it. Off saves time",
         default=True,
         update=_shown,

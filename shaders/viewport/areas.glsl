@@ -144,9 +144,7 @@ float area_point_seen(AreaSeen seen, vec3 direction) {
     }
     return ray_blocked(seen.before, seen.start, direction, reach * TG_BEFORE_LAMP) ? 0.0 : 1.0;
 }
-#endif
 
-#ifdef TG_SHADOWS
 // Only those things that the lobe sees before the lamp.
 AreaSeen seen_by_lobe(AreaSeen all, AreaLobe q, int own) {
     AreaSeen seen = all;

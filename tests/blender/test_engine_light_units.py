@@ -204,6 +204,14 @@ def matt(colour: tuple[float, float, float]) -> bpy.types.Material:
     return material
 
 
+def look_down(scene: bpy.types.Scene) -> None:
+    """A camera that looks at the origin from the front and above."""
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.0, -2.2, 1.4), (math.radians(60.0), 0.0, 0.0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+
+
 def card_value(
     engine: str, albedo: float, kind: str, setup: Callable[[object, object], None], path: str
 ) -> np.ndarray:
@@ -340,10 +348,7 @@ def shadow_picture(
     scene.collection.objects.link(lamp)
     setup(light, lamp)
     light.use_shadow = shadows
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location, camera.rotation_euler = (0.0, -2.2, 1.4), (math.radians(60.0), 0.0, 0.0)
-    scene.collection.objects.link(camera)
-    scene.camera = camera
+    look_down(scene)
     scene.togishi.samples = 64
     return rendered(scene, engine, (48, 36), 512, path)
 
@@ -411,10 +416,7 @@ def window_picture(engine: str, turn_deg: float, shader: str, path: str) -> np.n
         end = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
         tree.links.new(node.outputs[0], end.inputs["Surface"])
     window.data.materials.append(shining)
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location, camera.rotation_euler = (0.0, -2.2, 1.4), (math.radians(60.0), 0.0, 0.0)
-    scene.collection.objects.link(camera)
-    scene.camera = camera
+    look_down(scene)
     scene.togishi.samples = 16
     return rendered(scene, engine, (48, 36), 512, path)
 

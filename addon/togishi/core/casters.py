@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import native
-from .packing import ViewSpace
+from .packing import ViewSpace, box_corners
 from .scene_data import (
     F32,
     F64,
@@ -76,7 +76,7 @@ def tree_of(mesh: MeshData) -> Tree:
 def is_blade(instance: Instance, scene: SceneData) -> bool:
     """Whether any of it is polished steel. A blade is convex: it neither hides nor mirrors itself."""
     return any(
-        isinstance(_material(instance, group.slot, scene), BladeMaterial)
+        isinstance(scene.material_of(instance, group.slot)[1], BladeMaterial)
         for group in scene.meshes[instance.mesh].groups
     )
 
@@ -94,16 +94,11 @@ def casters_of(scene: SceneData) -> Casters:
         and scene.world.environment is not None
         and scene.world.environment.spots
     )
+    # A blade needs another thing to hide lamps from, steel another thing to mirror.
     shadows = shadows and any(
-        caster.casts and (receiver is not caster or id(receiver) not in blades)
-        for caster in possible
-        for receiver in scene.instances
+        i.casts and (len(scene.instances) > 1 or id(i) not in blades) for i in possible
     )
-    mirrored = scene.mirror_things and any(
-        caster.mirrored and receiver is not caster and id(receiver) in blades
-        for caster in possible
-        for receiver in scene.instances
-    )
+    mirrored = scene.mirror_things and any(i.mirrored and blades - {id(i)} for i in possible)
     if not (shadows or mirrored):
         return Casters()
     left_out = []
@@ -127,7 +122,7 @@ def casters_of(scene: SceneData) -> Casters:
             i,
             meshes[i.mesh],
             tuple(
-                _albedo(_material(i, group.slot, scene), group.nakago)
+                _albedo(scene.material_of(i, group.slot)[1], group.nakago)
                 for group in meshes[i.mesh].groups
             ),
         )
@@ -181,10 +176,6 @@ def casters_block(
     return block
 
 
-def _material(instance: Instance, slot: int, scene: SceneData) -> Material:
-    return scene.materials[instance.materials[min(slot, len(instance.materials) - 1)]]
-
-
 def _albedo(material: Material, nakago: bool) -> tuple[float, float, float]:
     """Of polished steel black: what it mirrors is not traced on."""
     if isinstance(material, PlainMaterial):
@@ -194,16 +185,7 @@ def _albedo(material: Material, nakago: bool) -> tuple[float, float, float]:
 
 def _ball(matrix: F64, mesh: MeshData) -> F32:
     """Middle and radius of a ball that holds the mesh's box, in the matrix's space."""
-    low, high = mesh.position.min(axis=0), mesh.position.max(axis=0)
-    corners = np.array(
-        [
-            (x, y, z, 1.0)
-            for x in (low[0], high[0])
-            for y in (low[1], high[1])
-            for z in (low[2], high[2])
-        ]
-    )
-    placed = (corners @ matrix.T)[:, :3]
+    placed = (box_corners(*mesh.bounds) @ matrix.T)[:, :3]
     middle = placed.mean(axis=0)
     radius = float(np.linalg.norm(placed - middle, axis=1).max())
     return np.asarray((*middle, radius * 1.0001), np.float32)

@@ -123,21 +123,26 @@ def model_rows(matrix: F64, camera: ViewSpace) -> tuple[list[list[float]], float
     return rows[:3].tolist(), -1.0 if mirrored else 1.0
 
 
+def box_corners(low: F32, high: F32) -> F64:
+    """(8, 4): the corners of a box, with 1 as their fourth coordinate."""
+    return np.array(
+        [
+            (x, y, z, 1.0)
+            for x in (low[0], high[0])
+            for y in (low[1], high[1])
+            for z in (low[2], high[2])
+        ],
+        np.float64,
+    )
+
+
 def screen_rect(
     bounds: Sequence[tuple[F32, F32, F64]], camera: ViewSpace
 ) -> tuple[float, float, float, float] | None:
     """Left, bottom, right, top in clip space that hold boxes (low, high, matrix); None: nothing in sight."""
     left, bottom, right, top = 1.0, 1.0, -1.0, -1.0
     for low, high, matrix in bounds:
-        corners = np.array(
-            [
-                (x, y, z, 1.0)
-                for x in (low[0], high[0])
-                for y in (low[1], high[1])
-                for z in (low[2], high[2])
-            ]
-        )
-        clip = corners @ (camera.projection @ camera.view @ matrix).T
+        clip = box_corners(low, high) @ (camera.projection @ camera.view @ matrix).T
         if (clip[:, 3] <= 1e-6 * np.abs(clip).max()).any():
             return (-1.0, -1.0, 1.0, 1.0)  # through the viewer's plane
         x, y = clip[:, 0] / clip[:, 3], clip[:, 1] / clip[:, 3]

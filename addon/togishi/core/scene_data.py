@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,11 @@ class MeshData:
     @property
     def triangle_count(self) -> int:
         return sum(len(group.triangles) for group in self.groups)
+
+    @cached_property
+    def bounds(self) -> tuple[F32, F32]:
+        """Lowest and highest corner of the box around all vertices, of which there is at least one."""
+        return self.position.min(axis=0), self.position.max(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,6 +250,11 @@ class SceneData:
         False  # highlights on steel are the mean over a pixel's facets, not the value at its centre
     )
     mirror_things: bool = False  # steel mirrors the other things of the scene
+
+    def material_of(self, instance: Instance, slot: int) -> tuple[str, Material]:
+        """Key and material of a slot; slots beyond the last have the last one's."""
+        key = instance.materials[min(slot, len(instance.materials) - 1)]
+        return key, self.materials[key]
 
 
 @dataclass(frozen=True, eq=False)

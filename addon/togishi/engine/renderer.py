@@ -394,7 +394,7 @@ class Renderer:
             for instance in scene.instances:
                 mesh = self._meshes[instance.mesh]
                 for group in mesh.data.groups:
-                    blade = isinstance(_material(scene, instance, group.slot)[1], BladeMaterial)
+                    blade = isinstance(scene.material_of(instance, group.slot)[1], BladeMaterial)
                     self._push_object(shader, instance, space, 0, -1.0 if blade else 0.0)
                     unseen = _unseen_faces(mesh.data, instance.matrix) if blade else "NONE"
                     gpu.state.face_culling_set(unseen)
@@ -758,7 +758,7 @@ class Renderer:
         for instance in scene.instances:
             mesh = self._meshes[instance.mesh]
             for group in mesh.data.groups:
-                key, material = _material(scene, instance, group.slot)
+                key, material = scene.material_of(instance, group.slot)
                 batch = mesh.batches[group.slot, group.nakago]
                 if isinstance(material, PlainMaterial):
                     program = self._plain_program(lights, material, mesh.data, output_max)
@@ -872,7 +872,7 @@ class Renderer:
     def _gpu_mesh(self, mesh: MeshData) -> _GpuMesh:
         if not len(mesh.position):
             return _GpuMesh(mesh, np.zeros(3, np.float32), np.zeros(3, np.float32))
-        gpu_mesh = _GpuMesh(mesh, mesh.position.min(axis=0), mesh.position.max(axis=0))
+        gpu_mesh = _GpuMesh(mesh, *mesh.bounds)
         layout = GPUVertFormat()
         arrays = {"position": mesh.position, "normal_part": mesh.normal_part}
         if mesh.uv is not None:
@@ -1027,13 +1027,6 @@ def _bordered(pixels: np.ndarray) -> GPUTexture:
     whole[..., :3] = colour
     size = (whole.shape[1], whole.shape[0])
     return GPUTexture(size, format="RGBA32F", data=float_buffer(whole))
-
-
-def _material(
-    scene: SceneData, instance: Instance, slot: int
-) -> tuple[str, BladeMaterial | PlainMaterial]:
-    key = instance.materials[min(slot, len(instance.materials) - 1)]
-    return key, scene.materials[key]
 
 
 def _keep(
