@@ -206,9 +206,10 @@ def is_blade_object(obj: bpy.types.Object | None) -> bool:
 
 
 def find_blade(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The active object where it is a blade, else the scene's first blade."""
+    """The active object where it is a blade, what it hangs on where that is one, else the scene's first blade."""
     active = context.active_object
-    return next((obj for obj in (active, *context.scene.objects) if is_blade_object(obj)), None)
+    near = () if active is None else (active, active.parent)
+    return next((obj for obj in (*near, *context.scene.objects) if is_blade_object(obj)), None)
 
 
 def edited_material(context: bpy.types.Context) -> bpy.types.Material | None:

@@ -211,7 +211,7 @@ def replace(context: bpy.types.Context, obj: bpy.types.Object, job: ScanJob, swo
     unit_m = context.scene.unit_settings.scale_length or 1.0
     slots = blade_object.slot_of_part(obj.data)
     obj.data.clear_geometry()
-    blade_object.fill_mesh(obj.data, sword, unit_m)
+    _fill(obj, sword, unit_m)
     scan_aside.put(obj, job.path.stem, list(sword.aside), unit_m)
     blade_object.set_slots(obj.data, slots)
     if sword.painted is not None:

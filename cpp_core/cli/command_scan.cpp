@@ -36,6 +36,8 @@ using Json = nlohmann::ordered_json;
 struct Options {
     std::string file, unit = "auto", output, format = "ply";
     std::vector<std::string> corrections;
+    std::vector<double> machi;
+    double kissaki_mm = -1;  // below 0: as found
     bool force = false, no_maps = false;
     ImportOptions import;
     ScanRecord about;
@@ -116,6 +118,8 @@ void set_options(Options& o) {
             throw InputError("--correct", "argument", what, "ends, edge");
         }
     }
+    if (!o.machi.empty()) o.import.machi = glm::dvec3(o.machi[0], o.machi[1], o.machi[2]);
+    if (o.kissaki_mm >= 0) o.import.analysis.correction.kissaki_mm = o.kissaki_mm;
     if (o.format != "ply" && o.format != "obj")
         throw InputError("--format", "argument", o.format, "ply, obj");
     o.import.prepare.maps = !o.no_maps;
@@ -336,6 +340,16 @@ void add_scan_command(CLI::App& app, const Common& common) {
         ->add_option("--correct", o->corrections,
                      "What was found the wrong way round: ends (tip and tang), edge (and back)")
         ->delimiter(',');
+    command
+        ->add_option(
+            "--machi", o->machi,
+            "X,Y,Z of a point beside the machi, as the file has it, where it was not found")
+        ->delimiter(',')
+        ->expected(3);
+    command
+        ->add_option("--kissaki", o->kissaki_mm,
+                     "mm from the yokote to the tip, where it was not found; 0: no yokote")
+        ->check(CLI::NonNegativeNumber);
     command
         ->add_option("--error", o->import.prepare.error_mm,
                      "mm between the lighter mesh and the scan; 0: 0.05, or 8 times its noise")

@@ -105,11 +105,16 @@ ImportOptions options_from(const py::dict& values, const py::object& painted) {
             o.analysis.correction.swap_ends = py::cast<bool>(value);
         } else if (name == "swap_edge_and_back") {
             o.analysis.correction.swap_edge_and_back = py::cast<bool>(value);
+        } else if (name == "kissaki_mm") {
+            o.analysis.correction.kissaki_mm = number();
+        } else if (name == "machi") {
+            const auto at = py::cast<std::array<double, 3>>(value);
+            o.machi = glm::dvec3(at[0], at[1], at[2]);
         } else {
             throw InputError(
                 "options", "key", name,
                 "mm_per_unit, error_mm, close_holes_mm, texture_px, levels, replicates, "
-                "swap_ends, swap_edge_and_back");
+                "swap_ends, swap_edge_and_back, machi, kissaki_mm");
         }
     }
     if (!painted.is_none()) {

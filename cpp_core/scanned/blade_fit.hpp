@@ -2,6 +2,7 @@
 // change: machi, yokote, tip and the nakago's end.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -61,6 +62,9 @@ struct BladeFit {
     double residual_mm = 0;         ///< rms of the points about the fitted surfaces
     std::vector<std::pair<double, double>> fittings_s;  ///< stretches that fittings cover
     bool point = false;
+    /// What the user says, in the points' coordinates: beside the machi; yokote to tip, 0 none.
+    std::optional<glm::dvec3> given_machi;
+    std::optional<double> given_kissaki_mm;
     bool settled = false;   ///< fittings are known by arc length
     double turned_rad = 0;  ///< points are to be turned by this about x before the next fit
 };

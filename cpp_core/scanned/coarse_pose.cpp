@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/order_statistics.hpp"
+#include "base/text.hpp"
 #include "scanned/smooth_curve.hpp"
 
 namespace togishi {
@@ -269,6 +271,22 @@ std::vector<char> find_body(const TriangleMesh& mesh, const MeshPieces& pieces) 
     return body;
 }
 
+// The user's machi in place of the one that was found. So near the scan's beginning that nothing
+// can be told of a tang, there is none.
+void take_given_machi(const glm::dvec3& machi_mm, CoarsePose& pose) {
+    constexpr double least_tang_mm = 10;
+    const double begin = pose.bins.front().x - 0.5 * bin_mm;
+    const double x = (pose.rotation * (machi_mm - pose.origin)).x;
+    const double behind_tip = pose.bins.back().x + 0.5 * bin_mm - x;
+    if (!(x > begin - least_tang_mm && behind_tip > 40)) {
+        throw InputError(
+            "scan", "machi", whole_number(behind_tip) + " mm behind the tip",
+            "a place on the blade: 40 to " + whole_number(pose.length_mm) + " mm behind it");
+    }
+    pose.tang = x > begin + least_tang_mm;
+    pose.machi_x = pose.tang ? x : begin;
+}
+
 }  // namespace
 
 std::vector<LengthBin> find_length_bins(const std::vector<glm::dvec3>& points) {
@@ -339,6 +357,7 @@ CoarsePose find_coarse_pose(const TriangleMesh& mesh, const MeshPieces& pieces,
     pose.origin = mesh.origin + cloud.middle;
     pose.bins = std::move(bins);
     pose.length_mm = pose.bins.back().x - pose.bins.front().x + bin_mm;
+    if (correction.machi_mm) take_given_machi(*correction.machi_mm, pose);
     return pose;
 }
 

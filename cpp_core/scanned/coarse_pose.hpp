@@ -6,15 +6,10 @@
 
 #include <glm/glm.hpp>
 
+#include "scanned/pose_correction.hpp"
 #include "scanned/surface_samples.hpp"
 
 namespace togishi {
-
-/// What the user says of a pose that was found wrong.
-struct PoseCorrection {
-    bool swap_ends = false;           ///< tip and tang the other way round
-    bool swap_edge_and_back = false;  ///< edge and back the other way round
-};
 
 /// One bin of the blade's length.
 struct LengthBin {
@@ -44,6 +39,7 @@ struct CoarsePose {
     double end_certainty = 0;   ///< 0: tip and tang may as well be the other way round
 };
 
+/// Throws InputError where the machi that is given lies beyond the blade.
 [[nodiscard]] CoarsePose find_coarse_pose(const TriangleMesh& mesh_mm, const MeshPieces& pieces,
                                           const PoseCorrection& correction = {});
 

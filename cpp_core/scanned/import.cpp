@@ -87,14 +87,21 @@ RecordStep clean_step(const CleanReport& c) {
     return step;
 }
 
-RecordStep align_step(const ImportedScan& scan, const ImportOptions& options) {
+RecordStep align_step(const ImportedScan& scan, const PoseCorrection& correction) {
     const BladePose& pose = scan.analysis.pose;
     RecordStep step{"align",
-                    {{"swap_ends", options.analysis.correction.swap_ends},
-                     {"swap_edge_and_back", options.analysis.correction.swap_edge_and_back}},
+                    {{"swap_ends", correction.swap_ends},
+                     {"swap_edge_and_back", correction.swap_edge_and_back}},
                     {},
                     {scan.analysis.text}};
     constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+    for (int i = 0; correction.machi_mm && i < 3; ++i) {
+        step.parameters.emplace_back(
+            std::string("given machi ") + axes[static_cast<std::size_t>(i)] + " (mm)",
+            (*correction.machi_mm)[i]);
+    }
+    if (correction.kissaki_mm)
+        step.parameters.emplace_back("given kissaki (mm)", *correction.kissaki_mm);
     for (int i = 0; i < 3; ++i)
         step.figures.push_back(
             {std::string("machi ") + axes[static_cast<std::size_t>(i)], pose.origin_mm[i], "mm"});
@@ -139,10 +146,12 @@ ImportedScan import_scan(TriangleMesh scan, const ImportOptions& options,
                              {"longest extent", extent * result.mm_per_unit, "mm"}},
                             {result.unit_text}});
     result.steps.push_back(clean_step(result.clean));
-    result.analysis = analyse_scan(scan, pieces, options.analysis);
+    ScanAnalysisOptions analysis = options.analysis;
+    if (options.machi) analysis.correction.machi_mm = result.mm_per_unit * *options.machi;
+    result.analysis = analyse_scan(scan, pieces, analysis);
     clock.end("measure");
     report(after_analysis);
-    result.steps.push_back(align_step(result, options));
+    result.steps.push_back(align_step(result, analysis.correction));
     finish_import(result, std::move(scan), pieces, options, [&](double share) {
         return !progress || progress(after_analysis + (1 - after_analysis) * share);
     });

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,9 +27,12 @@ struct PaintedParts {
 };
 
 struct ImportOptions {
-    double mm_per_unit = 0;        ///< 0: guessed from the length
-    double close_holes_mm = 0;     ///< holes whose border is no longer are closed
-    ScanAnalysisOptions analysis;  ///< with the user's corrections of the pose
+    double mm_per_unit = 0;     ///< 0: guessed from the length
+    double close_holes_mm = 0;  ///< holes whose border is no longer are closed
+    ScanAnalysisOptions
+        analysis;  ///< with the user's corrections of the pose; machi_mm is not used
+    /// PoseCorrection::machi_mm, in the unit of the scan's file.
+    std::optional<glm::dvec3> machi;
     /// error_mm 0: 0.05, or eight times the scan's noise where that is more.
     PrepareOptions prepare = [] {
         PrepareOptions automatic;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/error.hpp"
 #include "base/order_statistics.hpp"
 #include "base/parallel.hpp"
 #include "base/random_normal.hpp"
@@ -230,11 +231,37 @@ std::string_view mune_name(MuneType type) {
     return "";
 }
 
-void infer(ScanAnalysis& result, std::string_view begins, const std::string& why) {
+void note(ScanAnalysis& result, std::string_view begins, const std::string& why, bool inferred) {
     for (ScanMeasure& m : result.measures) {
         if (!m.name.starts_with(begins)) continue;
-        m.inferred = true;
+        m.inferred = m.inferred || inferred;
         m.note = why;
+    }
+}
+void infer(ScanAnalysis& result, std::string_view begins, const std::string& why) {
+    note(result, begins, why, true);
+}
+
+constexpr std::array from_machi{"nagasa", "sori", "moto", "nakago", "mune_height"};
+
+// What rests on the user's word.
+void note_corrections(const PoseCorrection& correction, ScanAnalysis& result) {
+    if (correction.machi_mm) {
+        for (const char* name : from_machi)
+            note(result, name, "from the machi that was given", false);
+    }
+    if (correction.kissaki_mm) {
+        note(result, "saki", "at the yokote that was given", false);
+        note(result, "kissaki", "as given", false);
+    }
+}
+
+void check(const PoseCorrection& correction) {
+    if (!correction.kissaki_mm) return;
+    const double kissaki = *correction.kissaki_mm;
+    if (!(kissaki == 0 || (kissaki >= 5 && kissaki <= 300))) {
+        throw InputError("scan", "kissaki_mm", std::to_string(kissaki),
+                         "0 (no yokote), or 5 to 300 mm");
     }
 }
 
@@ -246,6 +273,8 @@ void judge(const BladeFit& fit, const CoarsePose& pose, ScanAnalysis& result) {
         result.text =
             "The blade runs out to no point: it is broken, or the scan ends before it. "
             "Length and sori cannot be told; is the rest of it in another file?";
+    } else if (!fit.tang && fit.given_machi) {
+        result.text = "A blade without a tang. Lengths count from the machi that was given.";
     } else if (!fit.tang) {
         result.text =
             "A blade without a tang: no machi was found. Lengths count from where the scan "
@@ -259,8 +288,7 @@ void judge(const BladeFit& fit, const CoarsePose& pose, ScanAnalysis& result) {
         result.doubts.emplace_back(
             "The machi is hidden or worn: lengths count from about where it must be, within some "
             "millimetres.");
-        for (const char* name : {"nagasa", "sori", "moto", "nakago", "mune_height"})
-            infer(result, name, "the machi is hidden or worn");
+        for (const char* name : from_machi) infer(result, name, "the machi is hidden or worn");
     }
     if (!fit.fittings_s.empty()) {
         result.doubts.emplace_back(
@@ -276,6 +304,7 @@ void judge(const BladeFit& fit, const CoarsePose& pose, ScanAnalysis& result) {
 
 ScanAnalysis analyse_scan(const TriangleMesh& mesh, const MeshPieces& pieces,
                           const ScanAnalysisOptions& options) {
+    check(options.correction);
     ScanAnalysis result;
     const CoarsePose pose = find_coarse_pose(mesh, pieces, options.correction);
     result.body = pose.body;
@@ -305,6 +334,12 @@ ScanAnalysis analyse_scan(const TriangleMesh& mesh, const MeshPieces& pieces,
     });
     std::vector<ScanPoint> points = samples.points(mesh);
     BladeFit fit;
+    fit.given_kissaki_mm = options.correction.kissaki_mm;
+    const auto place_machi = [&] {
+        if (options.correction.machi_mm)
+            fit.given_machi = samples.rotation * (*options.correction.machi_mm - samples.origin);
+    };
+    place_machi();
     if (!begin_fit(points, pose, fit)) {
         result.text = lost;
         return result;
@@ -322,6 +357,7 @@ ScanAnalysis analyse_scan(const TriangleMesh& mesh, const MeshPieces& pieces,
                               {0, std::cos(angle), std::sin(angle)},
                               {0, -std::sin(angle), std::cos(angle)}};
         samples.rotation = turn * samples.rotation;
+        place_machi();
         for (ScanPoint& p : points) p.position_mm = turn * p.position_mm;
     }
     result.noise_mm = fit.residual_mm / std::max(0.1, samples.calm());
@@ -393,6 +429,7 @@ ScanAnalysis analyse_scan(const TriangleMesh& mesh, const MeshPieces& pieces,
         t.shinogi_kasane_mm = 2 * lines.shinogi_y.at(s);
     }
     judge(fit, pose, result);
+    note_corrections(options.correction, result);
     const std::size_t others = count_other_blades(mesh, pieces, pose.body);
     if (others > 0) {
         result.verdict = ScanVerdict::several_blades;

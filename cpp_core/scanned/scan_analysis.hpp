@@ -53,6 +53,7 @@ struct ScanAnalysisOptions {
     double samples = 250000;  ///< points that the fits use
 };
 
+/// Throws InputError where a correction is none that a blade could have.
 [[nodiscard]] ScanAnalysis analyse_scan(const TriangleMesh& mesh_mm, const MeshPieces& pieces,
                                         const ScanAnalysisOptions& options = {});
 

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/order_statistics.hpp"
+#include "base/text.hpp"
 #include "scanned/least_squares.hpp"
 
 namespace togishi {
@@ -133,9 +136,29 @@ BreakFit fit_break(const std::vector<double>& s, const std::vector<double>& y, d
     return result;
 }
 
+// Where the mune line is as far from the tip as the user says.
+void take_given_yokote(double kissaki_mm, BladeFit& fit) {
+    if (!(kissaki_mm > 0)) return;
+    const glm::dvec3 tip = fit.curve.at(fit.tip_s_mm);
+    double s = fit.tip_s_mm - kissaki_mm;
+    for (int i = 0; i < 8; ++i) s += glm::distance(fit.curve.at(s), tip) - kissaki_mm;
+    const double most = fit.tip_s_mm - fit.machi_s_mm - 20;
+    if (!(fit.tip_s_mm - s < most)) {
+        throw InputError("scan", "kissaki_mm", std::to_string(kissaki_mm),
+                         "below " + whole_number(most) + " mm, on this blade");
+    }
+    fit.yokote = true;
+    fit.yokote_s_mm = s;
+}
+
 }  // namespace
 
 void find_machi(std::span<const BladePoint> points, BladeFit& fit) {
+    if (fit.given_machi) {
+        fit.machi = true;
+        fit.machi_s_mm = fit.curve.locate(*fit.given_machi).s_mm;
+        return;
+    }
     if (!fit.tang || points.empty()) return;
     const SectionGuess blade = fit.blade_guess.at(fit.machi_s_mm + 3);
     const double middle = fit.machi_s_mm;
@@ -232,7 +255,7 @@ void find_begin(std::span<const BladePoint> points, BladeFit& fit) {
     // The third-outermost point: one stray point is no end.
     if (points.size() < 3) return;
     fit.begin_s_mm = points[2].s_mm;
-    if (!fit.tang) fit.machi_s_mm = fit.begin_s_mm;
+    if (!fit.tang && !fit.given_machi) fit.machi_s_mm = fit.begin_s_mm;
 }
 
 void find_nakago_length(std::span<const ScanPoint> points, BladeFit& fit) {
@@ -254,6 +277,10 @@ void find_nakago_length(std::span<const ScanPoint> points, BladeFit& fit) {
 void find_yokote(BladeFit& fit) {
     fit.yokote = false;
     fit.yokote_s_mm = fit.tip_s_mm;
+    if (fit.given_kissaki_mm) {
+        take_given_yokote(*fit.given_kissaki_mm, fit);
+        return;
+    }
     if (!fit.ridge || !fit.point) return;
     const double width = fit.blade_guess.at(body_middle(fit)).edge_d;
     const double from = std::max(fit.machi_s_mm + 10, fit.tip_s_mm - 4.8 * width);

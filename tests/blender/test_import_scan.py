@@ -205,6 +205,81 @@ def test_painted_parts_stay_far_from_zero_and_in_another_scene_unit(empty_file, 
     assert elsewhere < 0.1
 
 
+def place(handle, moved_m, degrees: float = 0.0) -> None:
+    """From where it is, moved in its parent's axes and turned about its X."""
+    handle.location = np.array(handle.location) + moved_m
+    handle.rotation_euler[0] += np.radians(degrees)
+
+
+def test_a_pose_handle_moves_the_machi(empty_file, scan_file):
+    from togishi import properties
+
+    obj = imported(scan_file)
+    obj.matrix_world = ((0, -2, 0, 3), (2, 0, 0, 0), (0, 0, 2, 1), (0, 0, 0, 1))
+    nagasa = dimension(obj, "nagasa_mm")["value"]
+    nakago = dimension(obj, "nakago_mm")["value"]
+    assert bpy.ops.object.togishi_scan_handle() == {"FINISHED"}
+    handle = bpy.context.view_layer.objects.active
+    assert handle.parent == obj and handle.type == "EMPTY"
+    bpy.context.view_layer.update()
+    assert np.array(handle.matrix_world) == pytest.approx(np.array(obj.matrix_world))
+    # There is one only; a blade whose handle is active is the one that is corrected.
+    assert bpy.ops.object.togishi_scan_handle() == {"FINISHED"}
+    assert len(bpy.data.objects) == 2
+    # Not moved: nothing is done.
+    with pytest.raises(RuntimeError, match="neither moved nor turned"):
+        bpy.ops.object.togishi_scan_correct(change="handle")
+    # 6 mm towards the tip, off the surface and askew: where it stands along the blade counts.
+    place(handle, (0.006, 0.015, 0.0), 20)
+    assert bpy.ops.object.togishi_scan_correct(change="handle") == {"FINISHED"}
+    assert dimension(obj, "nagasa_mm")["value"] == pytest.approx(nagasa - 6, abs=0.3)
+    assert dimension(obj, "nakago_mm")["value"] == pytest.approx(nakago + 6, abs=0.3)
+    assert "given" in dimension(obj, "nagasa_mm")["note"]
+    places = np.array([v.co for v in obj.data.vertices])
+    assert places[:, 0].max() == pytest.approx((nagasa - 6) / 1000, abs=1e-3)
+    frame = properties.blade_recipe(obj)["frame"]
+    assert frame["nagasa_mm"] == pytest.approx(nagasa - 6, abs=2)
+    assert "given machi x" in obj.togishi.scan.record.as_string()
+    # The handle is at the new machi; from there it goes on.
+    assert handle.matrix_basis == handle.matrix_basis.Identity(4)
+    place(handle, (-0.002, 0.0, 0.0))
+    assert bpy.ops.object.togishi_scan_correct(change="handle") == {"FINISHED"}
+    assert dimension(obj, "nagasa_mm")["value"] == pytest.approx(nagasa - 4, abs=0.3)
+    assert bpy.ops.object.togishi_scan_correct(change="as_found") == {"FINISHED"}
+    assert dimension(obj, "nagasa_mm")["value"] == pytest.approx(nagasa, abs=1e-6)
+
+
+def test_a_handle_turned_about_that_finds_no_blade_changes_nothing(empty_file, scan_file):
+    obj = imported(scan_file)
+    before = obj.togishi.scan.report_json, obj.togishi.scan.options_json
+    with pytest.raises(RuntimeError, match="There is no pose handle"):
+        bpy.ops.object.togishi_scan_correct(change="handle")
+    assert bpy.ops.object.togishi_scan_handle() == {"FINISHED"}
+    handle = bpy.context.view_layer.objects.active
+    place(handle, (0.0, 0.0, 0.0), 175)
+    with pytest.raises(RuntimeError, match="The scan was not imported"):
+        bpy.ops.object.togishi_scan_correct(change="handle")
+    # Beyond the tip there is no machi.
+    place(handle, (0.6, 0.0, 0.0), -175)
+    with pytest.raises(RuntimeError, match=r"machi is .* a place on the blade"):
+        bpy.ops.object.togishi_scan_correct(change="handle")
+    assert before == (obj.togishi.scan.report_json, obj.togishi.scan.options_json)
+    assert handle.location.x == pytest.approx(0.6)
+
+
+def test_a_yokote_is_given_or_denied(empty_file, scan_file):
+    obj = imported(scan_file)
+    kissaki = dimension(obj, "kissaki_mm")["value"]
+    assert bpy.ops.object.togishi_scan_correct(change="yokote", kissaki_mm=40) == {"FINISHED"}
+    assert dimension(obj, "kissaki_mm")["value"] == pytest.approx(40, abs=1e-3)
+    assert bpy.ops.object.togishi_scan_correct(change="yokote", kissaki_mm=0) == {"FINISHED"}
+    report = json.loads(obj.togishi.scan.report_json)
+    assert report["zukuri"] == "shobu"
+    assert not [d for d in report["dimensions"] if d["key"].startswith(("saki", "kissaki"))]
+    assert bpy.ops.object.togishi_scan_correct(change="as_found") == {"FINISHED"}
+    assert dimension(obj, "kissaki_mm")["value"] == pytest.approx(kissaki, abs=1e-6)
+
+
 def test_no_painting_needs_a_selection(empty_file, scan_file):
     imported(scan_file)
     bpy.ops.object.mode_set(mode="EDIT")

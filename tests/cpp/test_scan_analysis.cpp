@@ -1,8 +1,10 @@
 // What a scan is taken for, its dimensions and its parts, over generated scans.
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
+#include "base/error.hpp"
 #include "scanned/label_parts.hpp"
 #include "scanned/scan_analysis.hpp"
 #include "simulate_scan_mesh.hpp"
@@ -218,6 +220,112 @@ TEST(ScanAnalysis, SeveralBladesAndMountingsAreSaid) {
     const ScanAnalysis mounted = analyse(sabre);
     EXPECT_EQ(mounted.verdict, ScanVerdict::mounted) << mounted.text;
     EXPECT_TRUE(mounted.measures.empty());
+}
+
+ScanMesh coarse_scan(std::string_view shape, bool tang = true) {
+    ScanMeshOptions options;
+    options.triangles = 20000;
+    options.noise_mm = 0.02;
+    options.offset_mm = 1e5;
+    options.tang = tang;
+    return simulate_scan_mesh(scan_shape(shape), options);
+}
+
+double measure_of(const ScanAnalysis& analysis, std::string_view name) {
+    const ScanMeasure* found = find_measure(analysis, name);
+    if (found != nullptr) return found->value;
+    ADD_FAILURE() << name << " was not measured";
+    return 0;
+}
+
+// The scan's coordinates of a place in the found blade's.
+glm::dvec3 in_scan(const ScanAnalysis& found, const glm::dvec3& blade_mm) {
+    return found.pose.origin_mm + glm::transpose(found.pose.rotation) * blade_mm;
+}
+
+TEST(ScanCorrection, AMachiThatIsGivenIsWhereLengthsBegin) {
+    const ScanMesh scan = coarse_scan("wakizashi");
+    const ScanAnalysis before = analyse(scan.mesh);
+    ScanAnalysisOptions options = quick(2);
+    // Beside the blade, 7 mm ahead of the machi.
+    options.correction.machi_mm = in_scan(before, {7, 12, 0});
+    const ScanAnalysis after = analyse(scan.mesh, options);
+    EXPECT_EQ(after.verdict, ScanVerdict::blade);
+    EXPECT_NEAR(measure_of(after, "nagasa_mm"), measure_of(before, "nagasa_mm") - 7, 0.3);
+    EXPECT_NEAR(measure_of(after, "nakago_mm"), measure_of(before, "nakago_mm") + 7, 0.3);
+    EXPECT_NEAR(measure_of(after, "kissaki_mm"), measure_of(before, "kissaki_mm"), 0.5);
+    const glm::dvec3 moved = before.pose.rotation * (after.pose.origin_mm - before.pose.origin_mm);
+    EXPECT_NEAR(moved.x, 7, 0.2);
+    EXPECT_NEAR(after.stations.nakago_mm - before.stations.nakago_mm, 7, 0.2);
+    const ScanMeasure* nagasa = find_measure(after, "nagasa_mm");
+    EXPECT_FALSE(nagasa->inferred);
+    EXPECT_NE(nagasa->note.find("given"), std::string::npos);
+    // Given where it was found: the same.
+    options.correction.machi_mm = before.pose.origin_mm;
+    EXPECT_NEAR(measure_of(analyse(scan.mesh, options), "nagasa_mm"),
+                measure_of(before, "nagasa_mm"), 0.02);
+}
+
+TEST(ScanCorrection, AMachiThatIsGivenServesWhereNoneWasScanned) {
+    const ScanMesh scan = coarse_scan("katana", false);
+    ScanAnalysisOptions options = quick();
+    const ScanAnalysis before = analyse(scan.mesh);
+    options.correction.machi_mm = in_scan(before, {-4, 0, 0});
+    const ScanAnalysis after = analyse(scan.mesh, options);
+    EXPECT_EQ(after.verdict, ScanVerdict::blade);
+    EXPECT_NEAR(measure_of(after, "nagasa_mm"), measure_of(before, "nagasa_mm") + 4, 0.2);
+    EXPECT_EQ(find_measure(after, "nakago_mm"), nullptr);
+    EXPECT_NE(after.text.find("given"), std::string::npos);
+}
+
+TEST(ScanCorrection, AYokoteThatIsGivenIsThereAndOneThatIsDeniedIsNot) {
+    const ScanMesh scan = coarse_scan("katana");
+    const ScanAnalysis before = analyse(scan.mesh);
+    ASSERT_EQ(before.zukuri, "shinogi");
+    ScanAnalysisOptions options = quick();
+    options.correction.kissaki_mm = 0;
+    const ScanAnalysis without = analyse(scan.mesh, options);
+    EXPECT_EQ(without.zukuri, "shobu");
+    EXPECT_EQ(find_measure(without, "kissaki_mm"), nullptr);
+    EXPECT_EQ(find_measure(without, "sakihaba_mm"), nullptr);
+    EXPECT_EQ(without.stations.yokote_s_mm, without.stations.nagasa_arc_mm);
+    options.correction.kissaki_mm = 42.5;
+    const ScanAnalysis other = analyse(scan.mesh, options);
+    EXPECT_NEAR(measure_of(other, "kissaki_mm"), 42.5, 1e-6);
+    EXPECT_GT(measure_of(other, "sakihaba_mm"), measure_of(before, "sakihaba_mm"));
+    // Of a blade without one, too: every shape takes it.
+    for (const char* shape : {"shobu", "tanto"}) {
+        options.correction.kissaki_mm = 20;
+        const ScanAnalysis given = analyse(coarse_scan(shape).mesh, options);
+        EXPECT_NEAR(measure_of(given, "kissaki_mm"), 20, 1e-6) << shape;
+        EXPECT_GT(measure_of(given, "sakihaba_mm"), 5) << shape;
+    }
+}
+
+TEST(ScanCorrection, WhatNoBladeCanHaveIsRefused) {
+    const ScanMesh scan = coarse_scan("tanto");
+    const auto refused = [&](const PoseCorrection& correction, const std::string& field) {
+        ScanAnalysisOptions options = quick();
+        options.correction = correction;
+        try {
+            analyse(scan.mesh, options);
+            ADD_FAILURE() << field << " was taken";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(field), std::string::npos) << error.what();
+        }
+    };
+    for (const double bad : {-1.0, 1e9, 2.0, 270.0, std::numeric_limits<double>::quiet_NaN()}) {
+        PoseCorrection correction;
+        correction.kissaki_mm = bad;
+        refused(correction, "kissaki_mm");
+    }
+    const ScanAnalysis found = analyse(scan.mesh);
+    for (const glm::dvec3& bad : {glm::dvec3(0), in_scan(found, {900, 0, 0}),
+                                  in_scan(found, {-400, 0, 0}), glm::dvec3(NAN)}) {
+        PoseCorrection correction;
+        correction.machi_mm = bad;
+        refused(correction, "machi");
+    }
 }
 
 }  // namespace

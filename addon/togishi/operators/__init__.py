@@ -10,6 +10,7 @@ from . import (
     bake_surroundings,
     blade_material,
     connect_nodes,
+    correct_scan,
     fit_measurement,
     import_scan,
     landmarks,
@@ -31,6 +32,7 @@ _CLASSES = tuple(
         fit_measurement,
         photographs,
         landmarks,
+        correct_scan,
     )
     for cls in module.CLASSES
 )

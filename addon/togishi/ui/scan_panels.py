@@ -36,7 +36,9 @@ class TOGISHI_PT_view_scan(bpy.types.Panel):
             draw_sentence(layout, sentence, "INFO")
         draw_pairs(layout, scan_report.rows(report["dimensions"]))
         layout.prop(obj.togishi.scan, "show_dimensions")
-        layout.operator_menu_enum("object.togishi_scan_correct", "change", text="Correct")
+        row = layout.row(align=True)
+        row.operator_menu_enum("object.togishi_scan_correct", "change", text="Correct")
+        row.operator("object.togishi_scan_handle", text="", icon="EMPTY_ARROWS")
         if context.mode == "EDIT_MESH":
             layout.operator_menu_enum("mesh.togishi_scan_paint_part", "part", text="Set Part")
         layout.operator("export_scene.togishi_scan_record", text="Save Record…", icon="EXPORT")
