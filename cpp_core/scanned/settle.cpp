@@ -49,6 +49,8 @@ class Settler {
         tried_.assign(triangles().size(), 0);
         bound_mm_.assign(options.vertex_error_mm.begin(), options.vertex_error_mm.end());
         bound_mm_.resize(around_.size(), static_cast<float>(options.error_mm));
+        shift_mm_.assign(options.vertex_shift_mm.begin(), options.vertex_shift_mm.end());
+        shift_mm_.resize(around_.size(), 0);
         place_vertices();
     }
 
@@ -131,7 +133,8 @@ class Settler {
             if (corner(static_cast<std::uint32_t>(v), line)) line = Line::kept;
             // Onto the ridge, or as near to it as the scan lets it.
             for (const double share : {1.0, 0.9, 0.75, 0.5, 0.25, 0.0}) {
-                const Place place = on_surface(glm::mix(from, to, share), sides);
+                const Place place =
+                    on_surface(glm::mix(from, to, share), sides, double(shift_mm_[v]));
                 // The vertex is one of the scan's own. Drawn in from the edge it would lie on the
                 // scan still, and the edge be lost.
                 const bool inwards = seam_[v] != 0 && place.t_mm < now_[v].t_mm;
@@ -182,12 +185,29 @@ class Settler {
     struct Sides {
         bool omote, ura;
     };
-    [[nodiscard]] Place on_surface(const glm::dvec2& st, const Sides& sides) const {
+    /// shift_mm: out of the surface, on one side; what both sides share is not shifted.
+    [[nodiscard]] Place on_surface(const glm::dvec2& st, const Sides& sides,
+                                   double shift_mm = 0) const {
         glm::dvec3 sum(0);
         if (sides.omote) sum += chart_.point(st.x, st.y, true);
         if (sides.ura) sum += chart_.point(st.x, st.y, false);
-        if (sides.omote && sides.ura) sum *= 0.5;
+        if (sides.omote && sides.ura) {
+            sum *= 0.5;
+        } else if (shift_mm != 0) {
+            sum += shift_mm * outwards(st, sides.omote);
+        }
         return {sum, st.x, st.y};
+    }
+    /// Unit normal of the smooth surface.
+    [[nodiscard]] glm::dvec3 outwards(const glm::dvec2& st, bool omote) const {
+        constexpr double h = 0.05;
+        const glm::dvec3 along =
+            chart_.point(st.x + h, st.y, omote) - chart_.point(st.x - h, st.y, omote);
+        const glm::dvec3 down = chart_.point(st.x, st.y + h, omote) -
+                                chart_.point(st.x, std::max(0.0, st.y - h), omote);
+        const glm::dvec3 out = glm::cross(along, down);
+        const double length = glm::length(out);
+        return length > 0 ? (omote ? out : -out) / length : glm::dvec3(0);
     }
 
     /// An outline curve, also at the machi, where its samples lead over to the nakago.
@@ -613,7 +633,7 @@ class Settler {
         }
         Change found;
         for (const glm::dvec2& st : about(v)) {
-            const Place to = on_surface(st, sides);
+            const Place to = on_surface(st, sides, double(shift_mm_[v]));
             double after = 0;
             for (const std::uint32_t f : around_[v]) {
                 std::array<Place, 3> p{};
@@ -884,7 +904,7 @@ class Settler {
             if (!c_.mesh.colours.empty()) c_.mesh.colours[n] = c_.mesh.colours[v];
             c_.s_mm[n] = static_cast<float>(now_[v].s_mm);
             c_.t_mm[n] = static_cast<float>(now_[v].t_mm);
-            c_.off_mm[n] = state_[v] == State::moved ? 0 : c_.off_mm[v];
+            c_.off_mm[n] = state_[v] == State::moved ? shift_mm_[v] : c_.off_mm[v];
             ++n;
         }
         c_.mesh.positions.resize(n);
@@ -905,6 +925,7 @@ class Settler {
     const SettleOptions& o_;
     std::vector<std::vector<std::uint32_t>> around_;  // each vertex's triangles
     std::vector<std::uint8_t> alive_, seam_;
+    std::vector<float> shift_mm_;
     std::vector<float> bound_mm_;      // how far from the scan what is about a vertex may lie
     std::vector<std::uint8_t> tried_;  // in vain, and nothing has changed around it since
     std::vector<Place> now_, settled_;

@@ -18,6 +18,8 @@ struct SettleOptions {
     double error_mm = 0.05;
     /// The same for each vertex and what it touches, where less is allowed; empty: error_mm.
     std::span<const float> vertex_error_mm{};
+    /// How far out of the smooth surface each vertex is laid; empty: onto it.
+    std::span<const float> vertex_shift_mm{};
     int most_rounds = 30;
 };
 

@@ -278,6 +278,41 @@ TEST(PreparedBlade, SettlingTakesTheStretchOutOfANoisyScan) {
     EXPECT_TRUE(closed(triangles_of(level.mesh)));
 }
 
+// Grains that stand out by more than the bound from the surface that all the rest is settled on.
+TEST(PreparedBlade, SettlingGivesWayTowardsGrains) {
+    const Blade& blade = tanto();
+    TriangleMesh scan = section_scan(blade.stations, {1000, 180, {}, {}});
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(0, 0.02F);
+    std::vector<glm::vec3> grains;
+    for (std::size_t v = 0; v < scan.positions.size(); ++v) {
+        glm::vec3& p = scan.positions[v];
+        const ChartPlace place = blade.chart.place(scan.origin + glm::dvec3(p));
+        const bool grain = v % 9973 == 0 && place.s_mm > 20 && place.s_mm < 200 && place.t_mm > 6 &&
+                           place.t_mm < 18;
+        if (grain) {
+            p.y += place.omote() ? 0.175F : -0.175F;
+            grains.emplace_back(scan.origin + glm::dvec3(p));
+            continue;
+        }
+        p += glm::vec3(noise(random), noise(random), noise(random));
+    }
+    ASSERT_GT(grains.size(), 1U);
+    PrepareOptions options = small_options();
+    options.error_mm = 0.16;
+    options.levels = 1;
+    options.samples = 100'000;  // every vertex is looked at
+    options.maps = false;
+    const PreparedBlade prepared = prepare_blade(scan, {}, blade.stations, {}, options);
+    EXPECT_LE(prepared.stretch_most_percent, 15);
+    EXPECT_LE(prepared.stretch_99_percent, 2);
+    EXPECT_LE(prepared.levels[0].distance.largest, options.error_mm);
+    const TriangleMesh light = triangles_of(prepared.levels[0].mesh);
+    const SurfaceTree tree(light);
+    for (const glm::vec3& p : grains)
+        EXPECT_LE(tree.nearest(p, SurfaceTree::Search{}).distance, 0.1601F) << p.x;
+}
+
 // One place that may not be touched does not keep the rest from being settled.
 TEST(PreparedBlade, SettlingIsHeldBackWhereItIsToldTo) {
     const Blade& blade = tanto();
