@@ -22,7 +22,7 @@ constexpr double folded = 100;
 constexpr double no_area = 1000;
 constexpr double least_area_mm2 = 1e-9;
 // A vertex of one side lies at least so far from the edge line.
-constexpr double inside_edge_mm = 0.06;
+constexpr double inside_edge_mm = 0.03;
 // So near to the tip all regions come to a point, which takes in any vertex.
 constexpr double tip_mm = 1.5;
 // The largest fan to the tip.

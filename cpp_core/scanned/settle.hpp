@@ -12,7 +12,7 @@ namespace togishi {
 
 struct SettleOptions {
     /// A triangle whose lengths the chart changes by more than this share is settled.
-    double most_stretch = 0.016;
+    double most_stretch = 0.02;
     /// How far from the scan what is settled may lie; what would have to go farther (a chip of the
     /// edge, a dent) stays as the scan shows it.
     double error_mm = 0.05;

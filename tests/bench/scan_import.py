@@ -95,7 +95,7 @@ def stretch_rows(triangles: float, folder: Path) -> list[Row]:
                 worst_99.append(found["chart's stretch, 99 % of the area"])
             how = (
                 f"the worst triangle of the finest level, {triangles:g} triangles, 0.02 mm noise, whole import; "
-                f"{', '.join(parts) or 'bare'}; {found['settled: area stretched before']:.0f} mm2 above 1.6 % before "
+                f"{', '.join(parts) or 'bare'}; {found['settled: area stretched before']:.0f} mm2 above 2 % before "
                 f"settling, {found['settled: area left stretched']:.3f} after"
             )
             rows.append(Row(f"scan.uv_stretch.{prefix}{shape}_pct", most, "%", how=how))
