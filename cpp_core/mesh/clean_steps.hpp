@@ -22,6 +22,10 @@ void agree_windings(TriangleMesh& mesh, HalfEdges& edges, CleanReport& report);
 /// Parts surfaces that meet in an edge of three triangles and more, or in a point. `edges`: strict.
 void part_surfaces(TriangleMesh& mesh, HalfEdges edges, CleanReport& report);
 
+/// Parts a closed surface where it is pinched together along an edge, as collapses leave it, into
+/// surfaces that are closed each. Triangles keep their order, new vertices lie where others do.
+void part_pinches(TriangleMesh& mesh);
+
 /// Turns pieces inside out that have negative volume.
 void turn_outward(TriangleMesh& mesh, CleanReport& report);
 

@@ -180,4 +180,23 @@ MeshDistance mesh_distance(const TriangleMesh& a, const SurfaceTree& tree_of_a,
     return d;
 }
 
+std::vector<glm::vec3> points_beyond(const TriangleMesh& from, const glm::dvec3& origin,
+                                     const SurfaceTree& surface, float bound, std::size_t samples) {
+    const Samples all = sample(from, origin, samples);
+    std::vector<std::uint8_t> beyond(all.points.size(), 0);
+    parallel_for(beyond.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        SurfaceTree::Search search{.enough = bound};
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto found = surface.nearest(all.points[i], search);
+            search.near = found.triangle;
+            beyond[i] = found.distance > bound ? 1 : 0;
+        }
+    });
+    std::vector<glm::vec3> found;
+    for (std::size_t i = 0; i < beyond.size(); ++i) {
+        if (beyond[i] != 0) found.push_back(all.points[i]);
+    }
+    return found;
+}
+
 }  // namespace togishi

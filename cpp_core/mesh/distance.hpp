@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "mesh/triangle_mesh.hpp"
 
@@ -57,5 +58,12 @@ class SurfaceTree {
 /// The same where the tree of `a` is there already.
 [[nodiscard]] MeshDistance mesh_distance(const TriangleMesh& a, const SurfaceTree& tree_of_a,
                                          const TriangleMesh& b, std::size_t samples = 200'000);
+
+/// Those of so many points of `from`, taken as mesh_distance takes them, that lie farther than
+/// `bound` from a surface with that origin; told from it.
+[[nodiscard]] std::vector<glm::vec3> points_beyond(const TriangleMesh& from,
+                                                   const glm::dvec3& origin,
+                                                   const SurfaceTree& surface, float bound,
+                                                   std::size_t samples);
 
 }  // namespace togishi

@@ -109,7 +109,53 @@ std::size_t tear_off(TriangleMesh& mesh, const HalfEdges& edges,
     return copies;
 }
 
+/// The last half-edge into the vertex that `h` leaves, turning away from `h`.
+std::uint32_t end_of_fan(const HalfEdges& edges, std::uint32_t h) {
+    std::uint32_t into = previous_half_edge(h);
+    while (edges.twin[into] != no_half_edge) into = previous_half_edge(edges.twin[into]);
+    return into;
+}
+
+/// Joins the half-edges of crowded edges that bound one fan at either end: the surface on one side
+/// of the pinch, which gets a vertex of its own there. The others stay alone.
+void join_beside_pinches(const TriangleMesh& mesh, HalfEdges& edges) {
+    for (const auto& edge : edges.crowded) {
+        for (const std::uint32_t h : edge) edges.twin[h] = no_half_edge;
+    }
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;
+    for (const auto& edge : edges.crowded) {
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+        const std::uint32_t low = start_of(mesh.triangles, edge.front());
+        for (const bool at_low : {true, false}) {
+            if (2 * pairs.size() == edge.size()) break;
+            pairs.clear();
+            for (const std::uint32_t h : edge) {
+                if ((start_of(mesh.triangles, h) == low) != at_low) continue;
+                const std::uint32_t back = end_of_fan(edges, h);
+                if (std::find(edge.begin(), edge.end(), back) != edge.end())
+                    pairs.emplace_back(h, back);
+            }
+        }
+        joined.insert(joined.end(), pairs.begin(), pairs.end());
+    }
+    for (const auto& [h, back] : joined) {
+        edges.twin[h] = back;
+        edges.twin[back] = h;
+    }
+}
+
 }  // namespace
+
+void part_pinches(TriangleMesh& mesh) {
+    HalfEdges edges = link_half_edges(mesh, true);
+    while (!edges.crowded.empty()) {
+        const std::size_t before = edges.crowded.size();
+        join_beside_pinches(mesh, edges);
+        split_fans(mesh, edges, find_touching(mesh, edges));
+        edges = link_half_edges(mesh, true);
+        if (edges.crowded.size() >= before) return;
+    }
+}
 
 void part_surfaces(TriangleMesh& mesh, HalfEdges edges, CleanReport& report) {
     report.non_manifold_edges = edges.crowded.size() - edges.same_way;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -10,6 +11,8 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "mesh/clean_steps.hpp"
+#include "mesh/components.hpp"
 
 namespace togishi {
 namespace {
@@ -487,6 +490,49 @@ SimplifiedMesh simplified(const TriangleMesh& mesh, const SimplifyOptions& optio
     return out;
 }
 
+/// Collapses may pinch the surface: an edge with four triangles. What is pinched off and smaller
+/// than the bound goes.
+void part_pinches(SimplifiedMesh& light, double error_mm) {
+    const std::vector<Triangle> before = light.mesh.triangles;
+    part_pinches(light.mesh);
+    TriangleMesh& mesh = light.mesh;
+    if (mesh.positions.size() == light.source_vertex.size()) return;
+    light.source_vertex.resize(mesh.positions.size());
+    std::vector<std::uint8_t> parted(mesh.positions.size(), 0);
+    for (std::size_t t = 0; t < before.size(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t was = before[t][k];
+            const std::uint32_t now = mesh.triangles[t][k];
+            light.source_vertex[now] = light.source_vertex[was];
+            if (now != was) parted[now] = parted[was] = 1;
+        }
+    }
+    const Components components = find_components(mesh);
+    struct Extent {
+        glm::vec3 low{std::numeric_limits<float>::max()};
+        glm::vec3 high{std::numeric_limits<float>::lowest()};
+        bool parted = false;
+    };
+    std::vector<Extent> extents(components.count);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        Extent& extent = extents[components.of_vertex[v]];
+        extent.low = glm::min(extent.low, mesh.positions[v]);
+        extent.high = glm::max(extent.high, mesh.positions[v]);
+        extent.parted = extent.parted || parted[v] != 0;
+    }
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Extent& extent = extents[components.of_vertex[mesh.triangles[t][0]]];
+        if (extent.parted && double(glm::distance(extent.low, extent.high)) <= error_mm) continue;
+        mesh.triangles[kept] = mesh.triangles[t];
+        if (!light.part.empty()) light.part[kept] = light.part[t];
+        ++kept;
+    }
+    if (kept == 0) return;
+    mesh.triangles.resize(kept);
+    if (!light.part.empty()) light.part.resize(kept);
+}
+
 }  // namespace
 
 SimplifiedMesh simplify(const TriangleMesh& mesh, const SimplifyOptions& options) {
@@ -496,6 +542,7 @@ SimplifiedMesh simplify(const TriangleMesh& mesh, const SimplifyOptions& options
     inner.error_mm *= 0.95;
     for (int attempt = 1;; ++attempt) {
         SimplifiedMesh out = simplified(mesh, inner);
+        part_pinches(out, options.error_mm);
         out.distance = mesh_distance(mesh, out.mesh, options.samples);
         if (out.distance.largest <= options.error_mm || attempt == 4) return out;
         inner.error_mm *= 0.9 * options.error_mm / out.distance.largest;

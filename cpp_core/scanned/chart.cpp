@@ -127,6 +127,39 @@ std::vector<double> fit_weights_from_zero(const std::vector<double>& xs, double 
     return weights;
 }
 
+// Where the mune has a ridge of its own (mitsu-mune), as a share of its developed width; its middle
+// where it has none.
+double mune_bend(const ScannedStations& stations, std::size_t side) {
+    constexpr double least_turn = 0.2;  // radians; a round mune turns by less from point to point
+    std::vector<double> shares;
+    for (const Station& station : stations.stations) {
+        const SectionSide& section = station.side[side];
+        std::vector<glm::dvec2> p;
+        for (const glm::dvec2& point : section.outline_mm) {
+            if (p.empty() || glm::distance(p.back(), point) > 1e-6) p.push_back(point);
+        }
+        double t = 0;
+        double most = least_turn;
+        double share = 0;
+        for (std::size_t i = 1; i + 1 < p.size(); ++i) {
+            const glm::dvec2 before = p[i] - p[i - 1];
+            const glm::dvec2 after = p[i + 1] - p[i];
+            t += glm::length(before);
+            if (t + 0.5 * glm::length(after) >= section.mune_t_mm) break;
+            const double turn = std::abs(
+                std::atan2(before.x * after.y - before.y * after.x, glm::dot(before, after)));
+            if (turn <= most) continue;
+            most = turn;
+            share = t / section.mune_t_mm;
+        }
+        if (share > 0) shares.push_back(share);
+    }
+    if (2 * shares.size() < stations.stations.size()) return 0.5;
+    const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+    std::nth_element(shares.begin(), middle, shares.end());
+    return *middle;
+}
+
 void check(const ScannedStations& s) {
     constexpr const char* where = "scanned blade";
     if (s.stations.size() < 8)
@@ -204,6 +237,7 @@ void ScannedChart::make_rows(const ScannedStations& stations) {
         }
         mune = running_median(mune, 4);
         shinogi = running_median(shinogi, 4);
+        const double bend = mune_bend(stations, side);
         for (std::size_t i = 0; i < n; ++i) {
             const Developed developed(stations.stations[i].side[side].outline_mm);
             Outline& outline = raw[i][side];
@@ -218,7 +252,8 @@ void ScannedChart::make_rows(const ScannedStations& stations) {
                 }
             };
             const double corner = std::max(mune[i], shinogi[i]);
-            take(0, mune_point, 0, mune[i]);
+            take(0, mune_bend_point, 0, bend * mune[i]);
+            take(mune_bend_point, mune_point, bend * mune[i], mune[i]);
             take(mune_point, shinogi_point, mune[i], corner);
             take(shinogi_point, edge_point, corner, 1);
         }

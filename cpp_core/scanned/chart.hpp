@@ -48,8 +48,10 @@ class ScannedChart {
 
   private:
     // Half a cross-section by a fixed number of points, which divide each of mune, shinogi-ji and
-    // ji into equal lengths: those of neighbouring sections belong together.
+    // ji into equal lengths: those of neighbouring sections belong together. The mune's own ridge,
+    // where it has one, lies at one of them.
     static constexpr std::size_t mune_cells = 6, shinogi_cells = 8, ji_cells = 24;
+    static constexpr std::size_t mune_bend_point = mune_cells / 2;
     static constexpr std::size_t mune_point = mune_cells;
     static constexpr std::size_t shinogi_point = mune_point + shinogi_cells;
     static constexpr std::size_t edge_point = shinogi_point + ji_cells;

@@ -245,6 +245,13 @@ RecordStep prepare_step(const ImportedScan& result, const PrepareOptions& option
         step.figures.push_back({name + "largest distance", level.distance.largest, "mm"});
         step.figures.push_back({name + "rms distance", level.distance.rms, "mm"});
     }
+    count(step, "settled: vertices moved", blade.settled.moved);
+    count(step, "settled: slid along the surface", blade.settled.slid);
+    count(step, "settled: edges flipped", blade.settled.flipped);
+    count(step, "settled: edges collapsed", blade.settled.collapsed);
+    count(step, "settled: triangles left stretched", blade.settled.left);
+    step.figures.push_back({"settled: area stretched before", blade.settled.stretched_mm2, "mm2"});
+    step.figures.push_back({"settled: area left stretched", blade.settled.left_mm2, "mm2"});
     step.figures.push_back({"chart's stretch, 99 % of the area", blade.stretch_99_percent, "%"});
     step.figures.push_back({"chart's stretch, largest", blade.stretch_most_percent, "%"});
     if (options.maps) {

@@ -26,26 +26,6 @@ ChartedMesh lighter(const ChartedMesh& scan, SimplifiedMesh simplified) {
     return level;
 }
 
-/// The finest level settled on the chart's surface within what was asked for; as it was where that
-/// cannot be.
-void settle_within(ChartedMesh& level, const TriangleMesh& scan, const ScannedChart& chart,
-                   const PrepareOptions& options, PreparedBlade& result) {
-    const SurfaceTree tree(scan);
-    // Vertices keep the bound, what lies between them need not.
-    for (const double share : {0.94, 0.6, 0.35}) {
-        SettleOptions settling;
-        settling.error_mm = share * options.error_mm;
-        ChartedMesh settled = level;
-        const SettledCount count = settle(settled, chart, tree, settling);
-        const MeshDistance distance = mesh_distance(scan, tree, settled.mesh, options.samples);
-        if (distance.largest > options.error_mm) continue;
-        level = std::move(settled);
-        result.settled = count;
-        result.levels.front().distance = distance;
-        return;
-    }
-}
-
 }  // namespace
 
 PreparedBlade prepare_blade(TriangleMesh scan, const BladePose& pose,
@@ -110,7 +90,8 @@ PreparedBlade prepare_blade(TriangleMesh scan, const BladePose& pose,
         result.levels.back().distance = simplified[i].distance;
         levels.push_back(lighter(charted, std::move(simplified[i])));
     }
-    settle_within(levels.front(), charted.mesh, chart, options, result);
+    settle_within(levels.front(), chart, charted.mesh, options.error_mm, options.samples,
+                  result.settled, result.levels.front().distance);
     clock.end("settle");
     if (options.maps) {
         result.detail = bake_detail(charted, levels.front(), chart.frame(), options.detail);

@@ -7,6 +7,9 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "mesh/closest_point.hpp"
@@ -22,8 +25,10 @@ constexpr double least_area_mm2 = 1e-9;
 constexpr double inside_edge_mm = 0.03;
 // So near to the tip all regions come to a point, which takes in any vertex.
 constexpr double tip_mm = 1.5;
-// Within this of the tip the blade is hardly larger than a scan's noise: one fan to the tip.
-constexpr double tip_fan_mm = 0.8;
+// The largest fan to the tip.
+constexpr double most_tip_mm = 2.5;
+// A cut at the machi leaves vertices so near to it.
+constexpr double at_machi_mm = 0.01;
 // What a change must better to be worth it.
 constexpr double gain = 0.9;
 
@@ -42,14 +47,18 @@ class Settler {
         }
         alive_.assign(triangles().size(), 1);
         tried_.assign(triangles().size(), 0);
+        bound_mm_.assign(options.vertex_error_mm.begin(), options.vertex_error_mm.end());
+        bound_mm_.resize(around_.size(), static_cast<float>(options.error_mm));
+        shift_mm_.assign(options.vertex_shift_mm.begin(), options.vertex_shift_mm.end());
+        shift_mm_.resize(around_.size(), 0);
         place_vertices();
     }
 
     SettledCount run() {
-        for (double radius_mm = tip_fan_mm; radius_mm > 0.2; radius_mm *= 0.7) {
-            if (point_tip(radius_mm)) break;
-        }
+        count_.stretched_mm2 = area(stretched());
+        point_tip();
         for (int round = 0; round < o_.most_rounds; ++round) {
+            behind_machi();
             const std::vector<std::uint32_t> bad = stretched();
             if (bad.empty()) break;
             if (move_all(bad) > 0) continue;
@@ -60,7 +69,9 @@ class Settler {
             }
             if (changed == 0) break;
         }
-        count_.left = stretched().size();
+        const std::vector<std::uint32_t> left = stretched();
+        count_.left = left.size();
+        count_.left_mm2 = area(left);
         drop_dead();
         return count_;
     }
@@ -82,6 +93,7 @@ class Settler {
         settled_.resize(n);
         state_.assign(n, State::fixed);
         seam_.assign(n, 0);
+        line_.assign(n, Line::kept);
         for (std::size_t v = 0; v < n; ++v) {
             now_[v] = {glm::dvec3(c_.mesh.positions[v]), double(c_.s_mm[v]), double(c_.t_mm[v])};
             settled_[v] = now_[v];
@@ -95,31 +107,42 @@ class Settler {
                 (part == Part::mune ? mune : part == Part::shinogi_ji ? shinogi_ji : side) = true;
             }
             seam_[v] = omote && ura ? 1 : 0;
-            if (!blade) continue;
+            if (!blade || !(bound_mm_[v] > 0)) continue;
             const Sides sides{omote, ura};
             // The blade's own triangles neither reach into the nakago nor beyond the edge line.
             glm::dvec2 from(std::clamp(now_[v].s_mm, 0.0, frame.nagasa_mm), now_[v].t_mm);
             if (omote != ura) {
-                const double within = frame.at(frame.edge_mm, from.x) - inside_edge_mm;
+                const double within = on_blade(frame.edge_mm, from.x) - inside_edge_mm;
                 from.y = std::min(from.y, std::max(within, 0.0));
             }
+            from.y = in_strip(from, v);
             glm::dvec2 to = from;
+            Line line = regions(static_cast<std::uint32_t>(v)).size() > 1 ? Line::kept : Line::none;
             if (omote && ura) {
                 const glm::dvec2 edge = nearest_of(frame.edge_mm, from);
-                to = from.y < glm::distance(from, edge) ? glm::dvec2(from.x, 0) : edge;
+                line = from.y < glm::distance(from, edge) ? Line::ridge : Line::edge;
+                to = line == Line::ridge ? glm::dvec2(from.x, 0) : edge;
             } else if (mune && (shinogi_ji || side)) {
+                line = Line::mune;
                 to = nearest_of(frame.mune_mm, from);
             } else if (shinogi_ji && side) {
+                line = Line::shinogi;
                 to = nearest_of(frame.shinogi_mm, from);
             }
+            // Where lines meet a vertex holds them all.
+            if (corner(static_cast<std::uint32_t>(v), line)) line = Line::kept;
             // Onto the ridge, or as near to it as the scan lets it.
             for (const double share : {1.0, 0.9, 0.75, 0.5, 0.25, 0.0}) {
-                const Place place = on_surface(glm::mix(from, to, share), sides);
-                // The vertex is one of the scan's own.
-                if (glm::distance(place.position, now_[v].position) <= o_.error_mm ||
-                    near_scan(place.position)) {
+                const Place place =
+                    on_surface(glm::mix(from, to, share), sides, double(shift_mm_[v]));
+                // The vertex is one of the scan's own. Drawn in from the edge it would lie on the
+                // scan still, and the edge be lost.
+                const bool inwards = seam_[v] != 0 && place.t_mm < now_[v].t_mm;
+                if (glm::distance(place.position, now_[v].position) <= double(bound_mm_[v]) ||
+                    (!inwards && near_scan(place.position, bound_mm_[v]))) {
                     settled_[v] = place;
                     state_[v] = State::movable;
+                    if (share == 1 || line == Line::none) line_[v] = line;
                     break;
                 }
                 if (to == from) break;
@@ -127,17 +150,72 @@ class Settler {
         }
     }
 
+    /// A vertex of one strip's triangles alone lies on that strip, where noise has it a little
+    /// beyond; labels painted by hand are left as they are.
+    [[nodiscard]] double in_strip(const glm::dvec2& st, std::size_t v) const {
+        const std::vector<std::uint8_t> own = regions(static_cast<std::uint32_t>(v));
+        if (own.size() != 1) return st.y;
+        const BladeFrame& frame = chart_.frame();
+        const double mune = on_blade(frame.mune_mm, st.x);
+        const double shinogi = on_blade(frame.shinogi_mm, st.x);
+        const Part part = Region(own.front()).part();
+        const double low = part == Part::mune ? 0 : part == Part::shinogi_ji ? mune : shinogi;
+        const double high = part == Part::mune         ? mune
+                            : part == Part::shinogi_ji ? shinogi
+                                                       : on_blade(frame.edge_mm, st.x);
+        const double margin = std::min(inside_edge_mm, 0.2 * std::max(high - low, 0.0));
+        const double inside = std::clamp(st.y, low + margin, std::max(low, high) - margin);
+        return std::abs(inside - st.y) <= double(bound_mm_[v]) + margin ? inside : st.y;
+    }
+
+    /// What a vertex may slide along; none: it is free on its strip; kept: it stays.
+    enum class Line : std::uint8_t { none, ridge, edge, mune, shinogi, kept };
+
+    /// Whether a vertex on a line also lies on a border across it.
+    [[nodiscard]] bool corner(std::uint32_t v, Line line) const {
+        return line != Line::none && regions(v).size() > 2;
+    }
+    [[nodiscard]] double on_line(Line line, double s) const {
+        const BladeFrame& frame = chart_.frame();
+        if (line == Line::edge) return on_blade(frame.edge_mm, s);
+        if (line == Line::mune) return on_blade(frame.mune_mm, s);
+        return line == Line::shinogi ? on_blade(frame.shinogi_mm, s) : 0;
+    }
+
     struct Sides {
         bool omote, ura;
     };
-    [[nodiscard]] Place on_surface(const glm::dvec2& st, const Sides& sides) const {
+    /// shift_mm: out of the surface, on one side; what both sides share is not shifted.
+    [[nodiscard]] Place on_surface(const glm::dvec2& st, const Sides& sides,
+                                   double shift_mm = 0) const {
         glm::dvec3 sum(0);
         if (sides.omote) sum += chart_.point(st.x, st.y, true);
         if (sides.ura) sum += chart_.point(st.x, st.y, false);
-        if (sides.omote && sides.ura) sum *= 0.5;
+        if (sides.omote && sides.ura) {
+            sum *= 0.5;
+        } else if (shift_mm != 0) {
+            sum += shift_mm * outwards(st, sides.omote);
+        }
         return {sum, st.x, st.y};
     }
+    /// Unit normal of the smooth surface.
+    [[nodiscard]] glm::dvec3 outwards(const glm::dvec2& st, bool omote) const {
+        constexpr double h = 0.05;
+        const glm::dvec3 along =
+            chart_.point(st.x + h, st.y, omote) - chart_.point(st.x - h, st.y, omote);
+        const glm::dvec3 down = chart_.point(st.x, st.y + h, omote) -
+                                chart_.point(st.x, std::max(0.0, st.y - h), omote);
+        const glm::dvec3 out = glm::cross(along, down);
+        const double length = glm::length(out);
+        return length > 0 ? (omote ? out : -out) / length : glm::dvec3(0);
+    }
 
+    /// An outline curve, also at the machi, where its samples lead over to the nakago.
+    [[nodiscard]] double on_blade(const std::vector<double>& curve, double s) const {
+        const BladeFrame& frame = chart_.frame();
+        const double step = frame.length_mm() / static_cast<double>(curve.size() - 1);
+        return frame.at(curve, std::max(s, step));
+    }
     /// The nearest (s, t) of an outline curve.
     [[nodiscard]] glm::dvec2 nearest_of(const std::vector<double>& curve, glm::dvec2 st) const {
         const BladeFrame& frame = chart_.frame();
@@ -146,15 +224,14 @@ class Settler {
         for (int i = 0; i < 4; ++i) {
             const double ahead = std::min(s + h, frame.nagasa_mm);
             const double slope =
-                (frame.at(curve, ahead) - frame.at(curve, s - h)) / (ahead - s + h);
-            const double off = frame.at(curve, s) - st.y - slope * (s - st.x);
+                (on_blade(curve, ahead) - on_blade(curve, s - h)) / (ahead - s + h);
+            const double off = on_blade(curve, s) - st.y - slope * (s - st.x);
             s = std::clamp(st.x - slope * off / (1 + slope * slope), 0.0, frame.nagasa_mm);
         }
-        return {s, frame.at(curve, s)};
+        return {s, on_blade(curve, s)};
     }
 
-    [[nodiscard]] bool near_scan(const glm::dvec3& p) const {
-        const auto bound = static_cast<float>(o_.error_mm);
+    [[nodiscard]] bool near_scan(const glm::dvec3& p, float bound) const {
         return scan_.nearest(glm::vec3(p), {.within = 1.01F * bound, .enough = bound}).distance <=
                bound;
     }
@@ -163,8 +240,9 @@ class Settler {
         const glm::dvec3& a = best(t[0]).position;
         const glm::dvec3& b = best(t[1]).position;
         const glm::dvec3& c = best(t[2]).position;
-        return near_scan(0.5 * (a + b)) && near_scan(0.5 * (b + c)) && near_scan(0.5 * (c + a)) &&
-               near_scan((a + b + c) / 3.0);
+        const float bound = std::min({bound_mm_[t[0]], bound_mm_[t[1]], bound_mm_[t[2]]});
+        return near_scan(0.5 * (a + b), bound) && near_scan(0.5 * (b + c), bound) &&
+               near_scan(0.5 * (c + a), bound) && near_scan((a + b + c) / 3.0, bound);
     }
 
     [[nodiscard]] glm::dvec2 in_chart(const Place& p, bool omote) const {
@@ -207,6 +285,30 @@ class Settler {
         return bad;
     }
 
+    [[nodiscard]] double area(const std::vector<std::uint32_t>& faces) const {
+        double sum = 0;
+        for (const std::uint32_t f : faces) {
+            const Triangle& t = triangles()[f];
+            const glm::dvec3& p = now_[t[0]].position;
+            sum += 0.5 * glm::length(glm::cross(now_[t[1]].position - p, now_[t[2]].position - p));
+        }
+        return sum;
+    }
+
+    /// Slivers whose corners all lie on the machi or behind it are the nakago's.
+    void behind_machi() {
+        for (std::size_t f = 0; f < triangles().size(); ++f) {
+            const Triangle& t = triangles()[f];
+            const Region region = c_.region[f];
+            if (!of_blade(region.part()) || !std::all_of(t.begin(), t.end(), [&](std::uint32_t v) {
+                    return best(v).s_mm <= at_machi_mm;
+                }))
+                continue;
+            const glm::dvec2 middle(0, (best(t[0]).t_mm + best(t[1]).t_mm + best(t[2]).t_mm) / 3);
+            c_.region[f] = Region(Part::nakago, region.omote(), strip(middle));
+        }
+    }
+
     /// Triangles around a vertex are worth another try.
     void touch(std::uint32_t v) {
         for (const std::uint32_t f : around_[v]) tried_[f] = 0;
@@ -244,35 +346,54 @@ class Settler {
         return t[0];
     }
 
-    /// By how much triangles are stretched too much, in all.
+    /// By how much a triangle is stretched too much, squared: one that is much too bad is worse
+    /// than a few that nearly do.
+    [[nodiscard]] double excess(double stretch) const {
+        const double over = std::max(0.0, stretch - o_.most_stretch);
+        return over * over;
+    }
     [[nodiscard]] double excess(const Triangle& t, Region region) const {
-        return std::max(0.0, settled_stretch(t, region) - o_.most_stretch);
+        return excess(settled_stretch(t, region));
     }
 
+    enum class Kind : std::uint8_t { flip, collapse, slide };
     struct Change {
         double gained = 0;  // excess that goes; 0: none
-        bool flip = false;
-        std::uint32_t a = 0, b = 0;  // the edge; collapsed: a goes to b
+        Kind kind = Kind::flip;
+        std::uint32_t a = 0, b = 0;  // the edge; collapsed: a goes to b; slid: a alone
+        Place to{};                  // where a slides
     };
 
-    /// The best flip or collapse of an edge of f, if any betters it.
+    /// The best flip or collapse of an edge of f or slide of a corner, if any betters it.
     bool change(std::uint32_t f) {
         const Triangle t = triangles()[f];
         Change found;
+        const auto take = [&](const Change& c) {
+            if (c.gained > found.gained) found = c;
+        };
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = t[k];
             const std::uint32_t b = t[(k + 1) % 3];
-            for (const Change& c : {flip(a, b, found.gained), collapse(a, b, found.gained),
-                                    collapse(b, a, found.gained)}) {
-                if (c.gained > found.gained) found = c;
-            }
+            take(flip(a, b, found.gained));
+            take(collapse(a, b, found.gained));
+            take(collapse(b, a, found.gained));
+            take(slide(a, found.gained));
+        }
+        for (std::size_t k = 0; k < 3 && found.gained <= 0; ++k) {
+            for (const std::uint32_t w : neighbours(t[k])) take(collapse(t[k], w, found.gained));
         }
         tried_[f] = 1;
         if (found.gained <= 0) return false;
-        if (found.flip) {
-            do_flip(found.a, found.b);
-        } else {
-            do_collapse(found.a, found.b);
+        switch (found.kind) {
+            case Kind::flip:
+                do_flip(found.a, found.b);
+                break;
+            case Kind::collapse:
+                do_collapse(found.a, found.b);
+                break;
+            case Kind::slide:
+                do_slide(found.a, found.to);
+                break;
         }
         return true;
     }
@@ -305,13 +426,14 @@ class Settler {
         double after = 0;
         for (const Triangle& t : flipped(f, g, a, b)) after += excess(t, c_.region[f]);
         if (!(after < gain * before) || before - after <= least) return {};
+        const float bound = std::min({bound_mm_[a], bound_mm_[b], bound_mm_[c], bound_mm_[d]});
         if (between_edges(best(a).position, best(b).position, best(c).position, best(d).position) >
-            o_.error_mm)
+            double(bound))
             return {};
         for (const Triangle& t : flipped(f, g, a, b)) {
             if (!near_scan(t)) return {};
         }
-        return {before - after, true, a, b};
+        return {before - after, Kind::flip, a, b, {}};
     }
 
     /// From the middle of one diagonal to the other pair of triangles is no farther than to the
@@ -377,7 +499,16 @@ class Settler {
             if (ring[i] != ring[i + 1]) return {};
         }
         ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-        if (ring.size() < 4) return {};
+        if (ring.size() == 3) {
+            // What is left must not be there already, from behind.
+            std::erase(ring, b);
+            for (const std::uint32_t f : at_edge(ring[0], ring[1])) {
+                const Triangle& t = triangles()[f];
+                if (std::find(t.begin(), t.end(), b) != t.end()) return {};
+            }
+            ring = {ring[0], ring[1], b};
+            std::sort(ring.begin(), ring.end());
+        }
         std::vector<std::uint32_t> far = neighbours(b);
         far.erase(std::unique(far.begin(), far.end()), far.end());
         std::vector<std::uint32_t> common;
@@ -403,14 +534,15 @@ class Settler {
                 nearest, double(glm::length(
                              closest_on(glm::vec3(0), corner(0), corner(1), corner(2)).point)));
         }
-        if (!(after < gain * before) || before - after <= least || nearest > o_.error_mm) return {};
+        if (!(after < gain * before) || before - after <= least || nearest > double(bound_mm_[a]))
+            return {};
         for (const std::uint32_t f : around_[a]) {
             Triangle t = triangles()[f];
             if (std::find(t.begin(), t.end(), b) != t.end()) continue;
             std::replace(t.begin(), t.end(), a, b);
             if (!near_scan(t)) return {};
         }
-        return {before - after, false, a, b};
+        return {before - after, Kind::collapse, a, b, {}};
     }
     [[nodiscard]] glm::dvec3 normal(const Triangle& t) const {
         return glm::cross(best(t[1]).position - best(t[0]).position,
@@ -436,12 +568,181 @@ class Settler {
         return loops;
     }
 
-    /// All vertices within a radius of the tip, and joined to it there, become the tip's own; false
+    /// Of the blade's strips (mune, shinogi-ji, ji), between which its surface has ridges.
+    [[nodiscard]] int strip(const glm::dvec2& st) const {
+        const BladeFrame& frame = chart_.frame();
+        return st.y < on_blade(frame.mune_mm, st.x)      ? 0
+               : st.y < on_blade(frame.shinogi_mm, st.x) ? 1
+                                                         : 2;
+    }
+
+    /// Places about a vertex, on its strip or along its line.
+    [[nodiscard]] std::vector<glm::dvec2> about(std::uint32_t v) const {
+        const BladeFrame& frame = chart_.frame();
+        const glm::dvec2 here(best(v).s_mm, best(v).t_mm);
+        glm::dvec2 middle(0);
+        double reach = 0;
+        double n = 0;
+        for (const std::uint32_t w : neighbours(v)) {
+            const glm::dvec2 there(best(w).s_mm, best(w).t_mm);
+            middle += there;
+            reach += glm::distance(here, there);
+            ++n;
+        }
+        middle /= n;
+        reach /= n;
+        std::vector<glm::dvec2> places;
+        auto add = [&](const glm::dvec2& st) {
+            if (!(st.x > 0 && st.x < frame.nagasa_mm && st.y > 0)) return;
+            if (st.y > on_blade(frame.edge_mm, st.x) - inside_edge_mm || strip(st) != strip(here))
+                return;
+            places.push_back(st);
+        };
+        if (line_[v] == Line::none) {
+            add(middle);
+            add(glm::mix(here, middle, 0.5));
+        }
+        for (const double share : {0.5, 0.25, 0.12, 0.06, 0.03}) {
+            const double d = share * reach;
+            if (line_[v] == Line::none) {
+                const double diagonal = d * std::numbers::sqrt2 / 2;
+                for (const glm::dvec2& by :
+                     {glm::dvec2(d, 0), glm::dvec2(-d, 0), glm::dvec2(0, d), glm::dvec2(0, -d),
+                      glm::dvec2(diagonal, diagonal), glm::dvec2(diagonal, -diagonal),
+                      glm::dvec2(-diagonal, diagonal), glm::dvec2(-diagonal, -diagonal)})
+                    add(here + by);
+                continue;
+            }
+            for (const double s : {here.x - d, here.x + d}) {
+                if (s > 0 && s < frame.nagasa_mm) places.emplace_back(s, on_line(line_[v], s));
+            }
+        }
+        return places;
+    }
+
+    /// A vertex that is on the surface goes to another place of it, one between strips along the
+    /// line.
+    [[nodiscard]] Change slide(std::uint32_t v, double least) const {
+        if (state_[v] == State::fixed || line_[v] == Line::kept) return {};
+        double before = 0;
+        Sides sides{false, false};
+        for (const std::uint32_t f : around_[v]) {
+            if (!of_blade(c_.region[f].part())) return {};
+            (c_.region[f].omote() ? sides.omote : sides.ura) = true;
+            before += excess(triangles()[f], c_.region[f]);
+        }
+        Change found;
+        for (const glm::dvec2& st : about(v)) {
+            const Place to = on_surface(st, sides, double(shift_mm_[v]));
+            double after = 0;
+            for (const std::uint32_t f : around_[v]) {
+                std::array<Place, 3> p{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::uint32_t w = triangles()[f][k];
+                    p[k] = w == v ? to : best(w);
+                }
+                after += excess(stretch(p, c_.region[f]));
+            }
+            const double gained = before - after;
+            if (!(after < gain * before) || gained <= std::max(least, found.gained)) continue;
+            if (!near_scan_from(v, to)) continue;
+            found = {gained, Kind::slide, v, v, to};
+        }
+        return found;
+    }
+    /// The triangles about v, were it there.
+    [[nodiscard]] bool near_scan_from(std::uint32_t v, const Place& to) const {
+        const float bound = bound_mm_[v];
+        if (!near_scan(to.position, bound)) return false;
+        return std::all_of(around_[v].begin(), around_[v].end(), [&](std::uint32_t f) {
+            glm::dvec3 sum(0);
+            for (const std::uint32_t w : triangles()[f]) {
+                const glm::dvec3& p = w == v ? to.position : best(w).position;
+                if (w != v && !near_scan(0.5 * (p + to.position), bound)) return false;
+                sum += p;
+            }
+            return near_scan(sum / 3.0, bound);
+        });
+    }
+    void do_slide(std::uint32_t v, const Place& to) {
+        const std::vector<std::uint32_t> ring = neighbours(v);
+        for (const std::uint32_t w : ring) move(w);
+        move(v);
+        now_[v] = to;
+        touch(v);
+        for (const std::uint32_t w : ring) touch(w);
+        ++count_.slid;
+    }
+
+    struct FanTriangle {
+        std::uint32_t face;
+        Triangle triangle;
+    };
+    /// Where the tip's fan comes to its point: at the chart's tip, or towards the scan's farthest
+    /// vertex there, so that neither the fan lies too far from the scan nor what it stands for from
+    /// the fan. None where no such place is.
+    std::optional<Place> place_of_tip(std::uint32_t at, const std::vector<std::uint32_t>& replaced,
+                                      const std::vector<FanTriangle>& fan) {
+        const glm::dvec2 end(chart_.frame().nagasa_mm, 0);
+        const Place& far = now_[*std::max_element(
+            replaced.begin(), replaced.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return now_[a].s_mm < now_[b].s_mm; })];
+        const float bound = bound_mm_[at];
+        float to_fan = 0;
+        const auto near_fan = [&](std::uint32_t v) {
+            const glm::dvec3& p = now_[v].position;
+            return std::any_of(fan.begin(), fan.end(), [&](const FanTriangle& one) {
+                const auto corner = [&](std::size_t k) {
+                    return glm::vec3(best(one.triangle[k]).position - p);
+                };
+                const ClosestPoint found =
+                    closest_on(glm::vec3(0), corner(0), corner(1), corner(2));
+                return glm::length(found.point) <= to_fan;
+            });
+        };
+        const Place before = settled_[at];
+        std::optional<Place> found;
+        for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.25, 0.5, 0.75, 1.0}) {
+            // The scan has points between those that the fan replaces.
+            if (share == 0) to_fan = to_fan > 0 ? bound : 0.7F * bound;
+            settled_[at] = on_surface(glm::mix(end, {far.s_mm, far.t_mm}, share), {true, true});
+            if (near_scan(settled_[at].position, bound) &&
+                std::all_of(fan.begin(), fan.end(),
+                            [&](const FanTriangle& one) { return near_scan(one.triangle); }) &&
+                std::all_of(replaced.begin(), replaced.end(), near_fan)) {
+                found = settled_[at];
+                break;
+            }
+        }
+        settled_[at] = before;
+        return found;
+    }
+    struct TipFan {
+        std::uint32_t at = 0;
+        Place tip{};
+        double worst = std::numeric_limits<double>::infinity();  // stretch of its triangles
+        std::vector<FanTriangle> fan;
+        std::vector<std::uint32_t> faces;  // that it stands for
+        std::size_t vertices = 0;
+    };
+
+    /// The blade within some of these distances of the tip is hardly larger than the scan's noise:
+    /// one fan, the largest that the chart does not stretch, else the one that it stretches least.
+    void point_tip() {
+        TipFan best_fan;
+        for (double radius_mm = most_tip_mm; radius_mm > 0.2; radius_mm *= 0.8) {
+            TipFan found = tip_within(radius_mm);
+            if (found.worst < best_fan.worst) best_fan = std::move(found);
+            if (best_fan.worst <= o_.most_stretch) break;
+        }
+        if (!best_fan.fan.empty()) do_tip(best_fan);
+    }
+
+    /// All vertices within a radius of the tip, and joined to it there, become the tip's own; none
     /// where that leaves no whole fan or lies too far from the scan.
-    bool point_tip(double radius_mm) {
+    TipFan tip_within(double radius_mm) {
         const double end_mm = chart_.frame().nagasa_mm;
         const Place tip = on_surface({end_mm, 0}, {true, true});
-        if (!near_scan(tip.position)) return false;
         std::uint32_t at = 0;
         double nearest = radius_mm;
         for (std::uint32_t v = 0; v < now_.size(); ++v) {
@@ -450,16 +751,12 @@ class Settler {
             nearest = distance;
             at = v;
         }
-        if (nearest >= radius_mm) return false;
+        if (nearest >= radius_mm) return {};
         std::vector<std::uint8_t> within(now_.size(), 0);
         std::vector<std::uint32_t> found{at};
         within[at] = 1;
         std::vector<std::uint32_t> faces;
-        struct Fan {
-            std::uint32_t face;
-            Triangle triangle;
-        };
-        std::vector<Fan> fan;
+        std::vector<FanTriangle> fan;
         std::map<std::uint32_t, std::uint32_t> next;
         std::size_t looked_at = 0;
         double reach_mm = radius_mm;
@@ -490,7 +787,7 @@ class Settler {
                 t = {at, t[(k + 1) % 3], t[(k + 2) % 3]};
                 fan.push_back({f, t});
                 if (next.emplace(t[1], t[2]).second) continue;
-                if (glm::distance(now_[t[1]].position, tip.position) > 4 * tip_fan_mm) return false;
+                if (glm::distance(now_[t[1]].position, tip.position) > 4 * most_tip_mm) return {};
                 within[t[1]] = 1;
                 found.push_back(t[1]);
                 pinched = true;
@@ -500,7 +797,7 @@ class Settler {
             if (pinched) continue;
             // Of several loops the others lie around pockets.
             const std::vector<std::vector<std::uint32_t>> loops = loops_of(next);
-            if (loops.empty()) return false;
+            if (loops.empty()) return {};
             const auto longest =
                 std::max_element(loops.begin(), loops.end(),
                                  [](const auto& a, const auto& b) { return a.size() < b.size(); });
@@ -508,35 +805,41 @@ class Settler {
                 if (loop == longest) continue;
                 pinched = true;
                 for (const std::uint32_t v : *loop) {
-                    if (glm::distance(now_[v].position, tip.position) > 4 * tip_fan_mm)
-                        return false;
+                    if (glm::distance(now_[v].position, tip.position) > 4 * most_tip_mm) return {};
                     within[v] = 1;
                     found.push_back(v);
                 }
             }
         }
-        if (fan.size() < 4) return false;
-        const Place before = settled_[at];
-        settled_[at] = tip;
-        for (const Fan& one : fan) {
-            if (near_scan(one.triangle)) continue;
-            settled_[at] = before;
-            return false;
+        if (fan.size() < 4) return {};
+        const std::optional<Place> to = place_of_tip(at, found, fan);
+        if (!to) return {};
+        TipFan result{at, *to, 0, std::move(fan), std::move(faces), found.size()};
+        const Place before = std::exchange(settled_[at], *to);
+        for (const FanTriangle& one : result.fan) {
+            result.worst =
+                std::max(result.worst, settled_stretch(one.triangle, c_.region[one.face]));
         }
-        for (const std::uint32_t f : faces) {
+        settled_[at] = before;
+        return result;
+    }
+
+    void do_tip(const TipFan& tip) {
+        settled_[tip.at] = tip.tip;
+        for (const std::uint32_t f : tip.faces) {
             for (const std::uint32_t w : triangles()[f]) std::erase(around_[w], f);
             alive_[f] = 0;
         }
-        for (const Fan& one : fan) {
+        for (const FanTriangle& one : tip.fan) {
             triangles()[one.face] = one.triangle;
             alive_[one.face] = 1;
             for (const std::uint32_t w : one.triangle) around_[w].push_back(one.face);
         }
-        for (const Fan& one : fan) {
+        for (const FanTriangle& one : tip.fan) {
             for (const std::uint32_t w : one.triangle) move(w);
         }
-        count_.collapsed += found.size() - 1;
-        return true;
+        line_[tip.at] = Line::kept;
+        count_.collapsed += tip.vertices - 1;
     }
 
     void do_flip(std::uint32_t a, std::uint32_t b) {
@@ -601,7 +904,7 @@ class Settler {
             if (!c_.mesh.colours.empty()) c_.mesh.colours[n] = c_.mesh.colours[v];
             c_.s_mm[n] = static_cast<float>(now_[v].s_mm);
             c_.t_mm[n] = static_cast<float>(now_[v].t_mm);
-            c_.off_mm[n] = state_[v] == State::moved ? 0 : c_.off_mm[v];
+            c_.off_mm[n] = state_[v] == State::moved ? shift_mm_[v] : c_.off_mm[v];
             ++n;
         }
         c_.mesh.positions.resize(n);
@@ -622,9 +925,12 @@ class Settler {
     const SettleOptions& o_;
     std::vector<std::vector<std::uint32_t>> around_;  // each vertex's triangles
     std::vector<std::uint8_t> alive_, seam_;
+    std::vector<float> shift_mm_;
+    std::vector<float> bound_mm_;      // how far from the scan what is about a vertex may lie
     std::vector<std::uint8_t> tried_;  // in vain, and nothing has changed around it since
     std::vector<Place> now_, settled_;
     std::vector<State> state_;
+    std::vector<Line> line_;
     SettledCount count_;
 };
 

@@ -78,6 +78,18 @@ TEST(ScanImport, BringsAMeasuredBladeInItsOwnCoordinates) {
                                        "holes", "label", "prepare"};
     EXPECT_EQ(steps, all);
     EXPECT_FALSE(record.inferred.empty());
+    // What settling did to the measured surface is told.
+    const SettledCount& settled = found.blade.settled;
+    EXPECT_GT(settled.moved, 0U);
+    std::map<std::string, double> figures;
+    for (const RecordFigure& f : record.steps.back().figures) figures[f.name] = f.value;
+    EXPECT_EQ(figures.at("settled: vertices moved"), settled.moved);
+    EXPECT_EQ(figures.at("settled: slid along the surface"), settled.slid);
+    EXPECT_EQ(figures.at("settled: edges flipped"), settled.flipped);
+    EXPECT_EQ(figures.at("settled: edges collapsed"), settled.collapsed);
+    EXPECT_EQ(figures.at("settled: triangles left stretched"), settled.left);
+    EXPECT_EQ(figures.at("settled: area stretched before"), settled.stretched_mm2);
+    EXPECT_EQ(figures.at("settled: area left stretched"), settled.left_mm2);
 }
 
 TEST(ScanImport, PaintedPartsStayAndHolesAreClosedWhereAsked) {

@@ -61,6 +61,26 @@ TEST(ScannedChart, PlacesOfTheSurfaceAreFoundAgain) {
     }
 }
 
+// A mitsu-mune has a ridge within it that is not evened out.
+TEST(ScannedChart, KeepsTheRidgesOfAThreeSidedMune) {
+    KatanaParameters parameters;
+    parameters.mune = MuneType::mitsu;
+    const KatanaShape shape(parameters);
+    const ScannedChart chart(katana_stations(shape));
+    const ScannedStations stations = katana_stations(shape, 7.3);
+    double worst = 0;
+    for (const Station& s : stations.stations) {
+        if (s.s_mm < 20 || s.s_mm > 650) continue;
+        for (const glm::dvec2& p : s.side[0].outline_mm) {
+            if (p.x > 2) break;  // the mune's own
+            const glm::dvec3 out = glm::cross(s.along, s.across);
+            worst = std::max(worst,
+                             std::abs(chart.place(s.ridge_mm + s.across * p.x + out * p.y).off_mm));
+        }
+    }
+    EXPECT_LT(worst, 0.02);
+}
+
 TEST(ScannedChart, IsThatOfTheGeneratedKatana) {
     for (const std::string_view zukuri : {"shinogi", "hira", "shobu"}) {
         const KatanaParameters p = katana_defaults(zukuri);
