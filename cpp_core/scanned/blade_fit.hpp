@@ -46,9 +46,10 @@ struct BladeLines {
 struct BladeFit {
     BladeCurve curve;
     bool tang = false;
-    bool ridge = false;   ///< there is a shinogi
-    bool yokote = false;  ///< the shinogi breaks before the point
-    bool machi = false;   ///< the mune's notch was found; otherwise machi_s_mm is the rough pose's
+    bool ridge = false;          ///< there is a shinogi
+    bool yokote = false;         ///< the shinogi breaks before the point
+    bool yokote_unsure = false;  ///< the shinogi scatters too much to tell whether it breaks
+    bool machi = false;  ///< the mune's notch was found; otherwise machi_s_mm is the rough pose's
     MuneKind mune;
     double begin_s_mm = 0;  ///< the nakago's end, or where the scan begins
     double machi_s_mm = 0, yokote_s_mm = 0, tip_s_mm = 0;

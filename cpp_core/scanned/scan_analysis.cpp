@@ -290,6 +290,16 @@ void judge(const BladeFit& fit, const CoarsePose& pose, ScanAnalysis& result) {
             "millimetres.");
         for (const char* name : from_machi) infer(result, name, "the machi is hidden or worn");
     }
+    if (fit.yokote_unsure) {
+        result.doubts.emplace_back(
+            fit.yokote
+                ? "The yokote is not certain: the scan is too coarse or noisy to tell it from "
+                  "a shinogi that only bends (shobu-zukuri). Is there one?"
+                : "No yokote was found, but the scan is too coarse or noisy to exclude one. "
+                  "Is it a shobu-zukuri?");
+        for (const char* name : {"saki", "kissaki"})
+            infer(result, name, "not certain: the scan is too coarse or noisy to tell a yokote");
+    }
     if (!fit.fittings_s.empty()) {
         result.doubts.emplace_back(
             "A fitting covers part of the blade (the habaki?): what is under it is inferred.");

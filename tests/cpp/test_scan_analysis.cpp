@@ -1,4 +1,5 @@
 // What a scan is taken for, its dimensions and its parts, over generated scans.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -99,6 +100,38 @@ TEST(ScanAnalysis, ShapesAreToldApart) {
         EXPECT_EQ(found.zukuri, zukuri) << shape;
         EXPECT_EQ(found.mune_type, mune) << shape;
     }
+}
+
+bool doubts_yokote(const ScanAnalysis& found) {
+    return std::any_of(found.doubts.begin(), found.doubts.end(), [](const std::string& doubt) {
+        return doubt.find("yokote") != std::string::npos;
+    });
+}
+
+TEST(ScanAnalysis, YokoteThatTheFacetsFeignOrHideIsDoubted) {
+    ScanAnalysisOptions how;
+    how.samples = 100000;
+    how.replicates = 0;
+    ScanMeshOptions options;
+    options.triangles = 20000;
+    options.offset_mm = 1e5;
+    options.seed = 3;  // its facets break the shinogi
+    const ScanAnalysis feigned =
+        analyse(simulate_scan_mesh(scan_shape("shobu"), options).mesh, how);
+    EXPECT_TRUE(doubts_yokote(feigned));
+    for (const ScanMeasure& m : feigned.measures) {
+        if (m.name.starts_with("saki") || m.name.starts_with("kissaki")) {
+            EXPECT_TRUE(m.inferred) << m.name;
+        }
+    }
+    options.seed = 9;  // they hide its yokote
+    EXPECT_TRUE(
+        doubts_yokote(analyse(simulate_scan_mesh(scan_shape("o_kissaki"), options).mesh, how)));
+    options.seed = 2;
+    const ScanAnalysis clear =
+        analyse(simulate_scan_mesh(scan_shape("long_katana"), options).mesh, how);
+    EXPECT_EQ(clear.zukuri, "shinogi");
+    EXPECT_FALSE(doubts_yokote(clear));
 }
 
 TEST(ScanAnalysis, PartsAreLabelledOverTheHabakiToo) {
