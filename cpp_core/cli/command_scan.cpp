@@ -210,6 +210,11 @@ Json report_of(const ImportedScan& scan) {
                           {"rms_mm", level.distance.rms}});
     }
     report["levels"] = levels;
+    const SettledCount& settled = scan.blade.settled;
+    report["settled"] = {{"moved", settled.moved},      {"slid", settled.slid},
+                         {"flipped", settled.flipped},  {"collapsed", settled.collapsed},
+                         {"left", settled.left},        {"stretched_mm2", settled.stretched_mm2},
+                         {"left_mm2", settled.left_mm2}};
     const BladeFrame& frame = scan.blade.levels.front().mesh.frame;
     Json chart = Json::object();
     for (const auto& [name, member] : frame_lengths) chart[std::string(name)] = frame.*member;
