@@ -212,6 +212,14 @@ def find_blade(context: bpy.types.Context) -> bpy.types.Object | None:
     return next((obj for obj in (*near, *context.scene.objects) if is_blade_object(obj)), None)
 
 
+def select_only(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Select the object alone and make it the active one."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj
+
+
 def edited_material(context: bpy.types.Context) -> bpy.types.Material | None:
     """The blade material that operators work on: the one that the Properties editor shows, which may be pinned, else
     the active slot's, else the blade's first."""

@@ -107,10 +107,7 @@ def place(
     obj.data.materials.append(material)
     keep(obj, job, sword, about)
     scan_aside.put(obj, name, list(sword.aside), unit_m)
-    for other in context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    context.view_layer.objects.active = obj
+    blade_object.select_only(context, obj)
     return obj
 
 

@@ -37,7 +37,6 @@ struct Options {
     std::string file, unit = "auto", output, format = "ply";
     std::vector<std::string> corrections;
     std::vector<double> machi;
-    double kissaki_mm = -1;  // below 0: as found
     bool force = false, no_maps = false;
     ImportOptions import;
     ScanRecord about;
@@ -119,7 +118,6 @@ void set_options(Options& o) {
         }
     }
     if (!o.machi.empty()) o.import.machi = glm::dvec3(o.machi[0], o.machi[1], o.machi[2]);
-    if (o.kissaki_mm >= 0) o.import.analysis.correction.kissaki_mm = o.kissaki_mm;
     if (o.format != "ply" && o.format != "obj")
         throw InputError("--format", "argument", o.format, "ply, obj");
     o.import.prepare.maps = !o.no_maps;
@@ -352,7 +350,7 @@ void add_scan_command(CLI::App& app, const Common& common) {
         ->delimiter(',')
         ->expected(3);
     command
-        ->add_option("--kissaki", o->kissaki_mm,
+        ->add_option("--kissaki", o->import.analysis.correction.kissaki_mm,
                      "mm from the yokote to the tip, where it was not found; 0: no yokote")
         ->check(CLI::NonNegativeNumber);
     command

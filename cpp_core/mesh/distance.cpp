@@ -136,21 +136,20 @@ Samples sample(const TriangleMesh& from, const glm::dvec3& origin, std::size_t c
     return out;
 }
 
-/// Distances of the samples of `from` to a surface with that origin, and where the even ones begin.
-std::pair<std::vector<float>, std::size_t> distances(const TriangleMesh& from,
-                                                     const glm::dvec3& origin,
-                                                     const SurfaceTree& tree, std::size_t count) {
-    const Samples samples = sample(from, origin, count);
-    std::vector<float> out(samples.points.size());
+/// Distances of points to a surface, told from its origin; of those nearer than `enough` any one
+/// that is below it.
+std::vector<float> distances(const std::vector<glm::vec3>& points, const SurfaceTree& tree,
+                             float enough = 0) {
+    std::vector<float> out(points.size());
     parallel_for(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        SurfaceTree::Search search;
+        SurfaceTree::Search search{.enough = enough};
         for (std::size_t i = begin; i < end; ++i) {
-            const auto found = tree.nearest(samples.points[i], search);
+            const auto found = tree.nearest(points[i], search);
             search.near = found.triangle;
             out[i] = found.distance;
         }
     });
-    return {std::move(out), samples.even};
+    return out;
 }
 
 }  // namespace
@@ -164,16 +163,19 @@ MeshDistance mesh_distance(const TriangleMesh& a, const TriangleMesh& b, std::si
 
 MeshDistance mesh_distance(const TriangleMesh& a, const SurfaceTree& tree_of_a,
                            const TriangleMesh& b, std::size_t samples) {
-    const auto [there, there_even] = distances(a, b.origin, SurfaceTree(b), samples);
-    const auto [back, back_even] = distances(b, a.origin, tree_of_a, samples);
+    const SurfaceTree tree_of_b(b);  // before the samples: it refuses a mesh without triangles
+    const Samples of_a = sample(a, b.origin, samples);
+    const Samples of_b = sample(b, a.origin, samples);
+    const std::vector<float> there = distances(of_a.points, tree_of_b);
+    const std::vector<float> back = distances(of_b.points, tree_of_a);
     MeshDistance d;
     d.samples = there.size() + back.size();
     d.largest_there = *std::max_element(there.begin(), there.end());
     d.largest_back = *std::max_element(back.begin(), back.end());
     d.largest = std::max(d.largest_there, d.largest_back);
     double sum = 0;
-    std::vector<float> even(there.begin() + static_cast<std::ptrdiff_t>(there_even), there.end());
-    even.insert(even.end(), back.begin() + static_cast<std::ptrdiff_t>(back_even), back.end());
+    std::vector<float> even(there.begin() + static_cast<std::ptrdiff_t>(of_a.even), there.end());
+    even.insert(even.end(), back.begin() + static_cast<std::ptrdiff_t>(of_b.even), back.end());
     for (const float x : even) sum += double{x} * x;
     d.rms = std::sqrt(sum / static_cast<double>(even.size()));
     d.p99 = quantile(even, 0.99);
@@ -183,18 +185,10 @@ MeshDistance mesh_distance(const TriangleMesh& a, const SurfaceTree& tree_of_a,
 std::vector<glm::vec3> points_beyond(const TriangleMesh& from, const glm::dvec3& origin,
                                      const SurfaceTree& surface, float bound, std::size_t samples) {
     const Samples all = sample(from, origin, samples);
-    std::vector<std::uint8_t> beyond(all.points.size(), 0);
-    parallel_for(beyond.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        SurfaceTree::Search search{.enough = bound};
-        for (std::size_t i = begin; i < end; ++i) {
-            const auto found = surface.nearest(all.points[i], search);
-            search.near = found.triangle;
-            beyond[i] = found.distance > bound ? 1 : 0;
-        }
-    });
+    const std::vector<float> distance = distances(all.points, surface, bound);
     std::vector<glm::vec3> found;
-    for (std::size_t i = 0; i < beyond.size(); ++i) {
-        if (beyond[i] != 0) found.push_back(all.points[i]);
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+        if (distance[i] > bound) found.push_back(all.points[i]);
     }
     return found;
 }

@@ -33,4 +33,15 @@ struct TriangleMesh {
                                         glm::dvec3(mesh.positions[t[2]]) - a));
 }
 
+/// Each vertex's triangles, in their order.
+[[nodiscard]] inline std::vector<std::vector<std::uint32_t>> triangles_around(
+    const TriangleMesh& mesh) {
+    std::vector<std::vector<std::uint32_t>> around(mesh.positions.size());
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        for (const std::uint32_t v : mesh.triangles[f])
+            around[v].push_back(static_cast<std::uint32_t>(f));
+    }
+    return around;
+}
+
 }  // namespace togishi

@@ -155,9 +155,7 @@ double mune_bend(const ScannedStations& stations, std::size_t side) {
         if (share > 0) shares.push_back(share);
     }
     if (2 * shares.size() < stations.stations.size()) return 0.5;
-    const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-    std::nth_element(shares.begin(), middle, shares.end());
-    return *middle;
+    return median(shares);
 }
 
 void check(const ScannedStations& s) {

@@ -40,11 +40,7 @@ class Settler {
   public:
     Settler(ChartedMesh& mesh, const ScannedChart& chart, const SurfaceTree& scan,
             const SettleOptions& options)
-        : c_(mesh), chart_(chart), scan_(scan), o_(options), around_(mesh.mesh.positions.size()) {
-        for (std::size_t f = 0; f < triangles().size(); ++f) {
-            for (const std::uint32_t v : triangles()[f])
-                around_[v].push_back(static_cast<std::uint32_t>(f));
-        }
+        : c_(mesh), chart_(chart), scan_(scan), o_(options), around_(triangles_around(mesh.mesh)) {
         alive_.assign(triangles().size(), 1);
         tried_.assign(triangles().size(), 0);
         bound_mm_.assign(options.vertex_error_mm.begin(), options.vertex_error_mm.end());
@@ -688,8 +684,7 @@ class Settler {
             replaced.begin(), replaced.end(),
             [&](std::uint32_t a, std::uint32_t b) { return now_[a].s_mm < now_[b].s_mm; })];
         const float bound = bound_mm_[at];
-        float to_fan = 0;
-        const auto near_fan = [&](std::uint32_t v) {
+        const auto near_fan = [&](std::uint32_t v, float to_fan) {
             const glm::dvec3& p = now_[v].position;
             return std::any_of(fan.begin(), fan.end(), [&](const FanTriangle& one) {
                 const auto corner = [&](std::size_t k) {
@@ -702,16 +697,17 @@ class Settler {
         };
         const Place before = settled_[at];
         std::optional<Place> found;
-        for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.25, 0.5, 0.75, 1.0}) {
-            // The scan has points between those that the fan replaces.
-            if (share == 0) to_fan = to_fan > 0 ? bound : 0.7F * bound;
-            settled_[at] = on_surface(glm::mix(end, {far.s_mm, far.t_mm}, share), {true, true});
-            if (near_scan(settled_[at].position, bound) &&
-                std::all_of(fan.begin(), fan.end(),
-                            [&](const FanTriangle& one) { return near_scan(one.triangle); }) &&
-                std::all_of(replaced.begin(), replaced.end(), near_fan)) {
-                found = settled_[at];
-                break;
+        // The scan has points between those that the fan replaces: at first less is allowed.
+        for (const float to_fan : {0.7F * bound, bound}) {
+            for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+                if (found) break;
+                settled_[at] = on_surface(glm::mix(end, {far.s_mm, far.t_mm}, share), {true, true});
+                if (near_scan(settled_[at].position, bound) &&
+                    std::all_of(fan.begin(), fan.end(),
+                                [&](const FanTriangle& one) { return near_scan(one.triangle); }) &&
+                    std::all_of(replaced.begin(), replaced.end(),
+                                [&](std::uint32_t v) { return near_fan(v, to_fan); }))
+                    found = settled_[at];
             }
         }
         settled_[at] = before;

@@ -30,12 +30,7 @@ class Bounds {
           most_mm_(static_cast<float>(of_bound * error_mm)),
           of_vertex_(mesh_.positions.size(), most_mm_),
           shift_(mesh_.positions.size(), 0),
-          around_(mesh_.positions.size()) {
-        for (std::size_t f = 0; f < mesh_.triangles.size(); ++f) {
-            for (const std::uint32_t v : mesh_.triangles[f])
-                around_[v].push_back(static_cast<std::uint32_t>(f));
-        }
-    }
+          around_(triangles_around(mesh_)) {}
 
     [[nodiscard]] const std::vector<float>& of_vertex() const { return of_vertex_; }
     [[nodiscard]] const std::vector<float>& shift() const { return shift_; }

@@ -193,10 +193,7 @@ class TOGISHI_OT_katana_add(KatanaDimensions, bpy.types.Operator):
         if self.with_pattern:
             pattern_baking.bake_now(material, json.loads(obj.togishi.katana_json))
         context.collection.objects.link(obj)
-        for other in context.selected_objects:
-            other.select_set(False)
-        obj.select_set(True)
-        context.view_layer.objects.active = obj
+        blade_object.select_only(context, obj)
         return {"FINISHED"}
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 
-from .. import scan_handle, scan_import
+from .. import blade_object, scan_handle, scan_import
 from ..core import scan_pose, scan_report
 from .poll import LINKED, NEEDS_OBJECT_MODE, allowed, local
 from .scan_work import NEEDS_SCAN, ScanWork
@@ -44,10 +44,7 @@ class TOGISHI_OT_scan_handle(bpy.types.Operator):
         obj = scan_import.scanned_blade(context)
         assert obj is not None
         handle = scan_handle.find(obj) or scan_handle.add(obj)
-        for other in context.selected_objects:
-            other.select_set(False)
-        handle.select_set(True)
-        context.view_layer.objects.active = handle
+        blade_object.select_only(context, handle)
         return {"FINISHED"}
 
 
@@ -95,8 +92,9 @@ class TOGISHI_OT_scan_correct(ScanWork, bpy.types.Operator):
         return _correctable(cls, context)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        if self.change in _ASKS:
+        if self.change == "yokote":
             self.kissaki_mm = self._found_kissaki_mm(context)
+        if self.change in _ASKS:
             return context.window_manager.invoke_props_dialog(self)
         return self.execute(context)
 
