@@ -7,6 +7,8 @@ namespace togishi {
 namespace {
 
 constexpr int mune_steps = 12, shinogi_steps = 10, ji_steps = 36;
+// Between cross-sections farther apart the blade was not seen.
+constexpr double longest_bridge_mm = 9;
 
 // One side of a cross-section by its corners, straight between two sections.
 struct SideShape {
@@ -94,6 +96,31 @@ std::vector<Shape> shapes_of(const std::vector<SectionFit>& fits, bool ridge, bo
         if (good) shapes.push_back(shape);
     }
     return shapes;
+}
+
+// Under a habaki nothing is seen from the machi on: the shape there is the first one that is, grown
+// as the blade's lines run on to the machi.
+void carry_on_to_machi(const BladeFit& fit, std::vector<Shape>& blade) {
+    const BladeLines& lines = fit.lines;
+    Shape shape = blade.front();
+    if (shape.s_mm - fit.machi_s_mm < longest_bridge_mm) return;
+    auto grown = [&](const auto& line) { return line.at(fit.machi_s_mm) - line.at(shape.s_mm); };
+    const double top = grown(lines.top_d);
+    const double edge = grown(lines.edge_d);
+    const double corner_y = grown(lines.corner_y);
+    const double corner_d = grown(lines.corner_d);
+    const double shinogi_y = fit.ridge ? grown(lines.shinogi_y) : corner_y;
+    const double shinogi_d = fit.ridge ? grown(lines.shinogi_d) : corner_d;
+    for (SideShape& side : shape.side) {
+        side.corner_y += corner_y;
+        side.corner_d += corner_d;
+        side.shinogi_y += shinogi_y;
+        side.shinogi_d += shinogi_d;
+    }
+    shape.top_d += top;
+    shape.edge_d += edge;
+    shape.s_mm = fit.machi_s_mm;
+    blade.insert(blade.begin(), shape);
 }
 
 Shape shape_at(const std::vector<Shape>& shapes, double s, double& gap) {
@@ -185,9 +212,10 @@ BladePose pose_of_fit(const BladeFit& fit) {
 ScannedStations stations_of_fit(const BladeFit& fit, std::span<const ScanPoint> points,
                                 double step_mm) {
     ScannedStations result;
-    const std::vector<Shape> blade = shapes_of(fit.blade, fit.ridge, false);
+    std::vector<Shape> blade = shapes_of(fit.blade, fit.ridge, false);
     const std::vector<Shape> nakago = shapes_of(fit.nakago, fit.ridge, true);
     if (blade.size() < 4) return result;
+    carry_on_to_machi(fit, blade);
     const bool tang = fit.tang && nakago.size() >= 3;
     result.nakago_mm = tang ? fit.machi_s_mm - fit.begin_s_mm : 0;
     result.nagasa_arc_mm = fit.tip_s_mm - fit.machi_s_mm;
@@ -247,7 +275,7 @@ ScannedStations stations_of_fit(const BladeFit& fit, std::span<const ScanPoint> 
         } else {
             shape = shape_at(blade, s, gap);
         }
-        if (gap > 9) station.measured = false;
+        if (gap > longest_bridge_mm) station.measured = false;
         station.ridge_mm = pose.rotation * (fit.curve.at(s) - pose.origin_mm);
         station.along = pose.rotation * fit.curve.along(s);
         station.across = pose.rotation * fit.curve.across(s);
